@@ -1,0 +1,25 @@
+"""What can be wrong with the input of this package."""
+
+
+class MaskvalError(Exception):
+    """Base of every error that this package raises on purpose."""
+
+
+class InvalidPoseError(MaskvalError, ValueError):
+    """A rotation that is none, a translation of another shape, or a point that has no image."""
+
+
+class InvalidCameraError(MaskvalError, ValueError):
+    """A camera matrix that no pinhole camera has, or an image without pixels."""
+
+
+class InvalidMeshError(MaskvalError, ValueError):
+    """A mesh without faces, with indices out of range, or in millimetres."""
+
+
+class InvalidMaskError(MaskvalError, ValueError):
+    """A mask that is not binary or of another size than the image."""
+
+
+class InvalidEstimatesError(MaskvalError, ValueError):
+    """Detections whose masks, poses and scores do not belong together, or a parameter out of its range."""

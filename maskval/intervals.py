@@ -1,0 +1,56 @@
+"""Confidence intervals."""
+
+import numpy as np
+import scipy
+from numpy.typing import ArrayLike, NDArray
+
+
+def proportion_interval(successes: int, trials: int, level: float = 0.95) -> tuple[float, float] | None:
+    """The exact (Clopper-Pearson) two-sided interval of a proportion, or None without trials.
+
+    Args:
+        successes: Number of successes, 0 to trials.
+        trials: Number of independent trials, >= 0.
+        level: Confidence level, in (0, 1).
+    """
+    if not 0 <= successes <= trials:
+        raise ValueError(f"successes must be in 0..{trials} (trials), but is {successes}")
+    _check_level(level)
+    if trials == 0:
+        return None
+    interval = scipy.stats.binomtest(successes, trials).proportion_ci(level, method="exact")
+    return float(interval.low), float(interval.high)
+
+
+def bootstrap_mean_interval(
+    values: ArrayLike, rng: np.random.Generator, level: float = 0.95, resamples: int = 2000
+) -> tuple[float, float] | None:
+    """The percentile bootstrap interval of a mean, in the unit of the values, or None without values.
+
+    Args:
+        values: Independent observations, (N,), finite.
+        rng: Source of the resampling.
+        level: Confidence level, in (0, 1).
+        resamples: Number of bootstrap samples, >= 1.
+    """
+    sample = np.asarray(values, dtype=np.float64)
+    if sample.ndim != 1 or not np.isfinite(sample).all():
+        raise ValueError(f"values must be finite and of shape (N,), but have shape {sample.shape}")
+    if resamples < 1:
+        raise ValueError(f"resamples must be >= 1, but is {resamples}")
+    _check_level(level)
+    if len(sample) == 0:
+        return None
+    means = [sample[rng.integers(len(sample), size=len(sample))].mean() for _ in range(resamples)]
+    low, high = _percentiles(np.array(means), level)
+    return low, high
+
+
+def _percentiles(statistics: NDArray[np.float64], level: float) -> tuple[float, float]:
+    low, high = np.quantile(statistics, ((1 - level) / 2, (1 + level) / 2))
+    return float(low), float(high)
+
+
+def _check_level(level: float) -> None:
+    if not 0 < level < 1:
+        raise ValueError(f"level must be in (0, 1), but is {level}")

@@ -1,0 +1,124 @@
+"""Binary masks: checking, packing to bits, and COCO's run lengths."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from maskval.errors import InvalidMaskError
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PackedMasks:
+    """K masks of one size, 64 pixels of a row in a word, so that an overlap is an AND and a count of bits.
+
+    Build it with `pack` or `from_rle`, once for as many calls of `silhouette_iou` as share the masks.
+
+    Args:
+        words: Bit j of words[k, v, w] is pixel [v, 64 w + j] of mask k, (K, H, ceil(W / 64)); bits beyond W are 0.
+        width: Image width W, pixels.
+    """
+
+    words: NDArray[np.uint64]
+    width: int
+
+    @classmethod
+    def pack(cls, masks: NDArray[Any]) -> Self:
+        """The packed form of binary masks.
+
+        Args:
+            masks: (K, H, W) or one mask (H, W), bool, or uint8 of 0 and 1.
+
+        Raises:
+            InvalidMaskError: If the shape, the type or a value is another.
+        """
+        stack = _binary(masks, dimensions=(2, 3))
+        if stack.ndim == 2:
+            stack = stack[None]
+        count, height, width = stack.shape
+        packed = np.zeros((count, height, -(-width // 64) * 8), dtype=np.uint8)
+        packed[:, :, : -(-width // 8)] = np.packbits(stack, axis=-1, bitorder="little")
+        words = packed.view("<u8").astype(np.uint64, copy=False)
+        words.setflags(write=False)
+        return cls(words, width)
+
+    @classmethod
+    def from_rle(cls, runs: Iterable[Sequence[int]], height: int, width: int) -> Self:
+        """The packed form of COCO run lengths, one sequence of counts for each mask."""
+        masks = [mask_from_rle(counts, height, width) for counts in runs]
+        return cls.pack(np.array(masks, dtype=np.bool_).reshape(len(masks), height, width))
+
+    @property
+    def height(self) -> int:
+        """Image height H, pixels."""
+        return int(self.words.shape[1])
+
+    @property
+    def areas_px(self) -> NDArray[np.int64]:
+        """Pixels in each mask, (K,)."""
+        areas: NDArray[np.int64] = np.bitwise_count(self.words).sum(axis=(1, 2), dtype=np.int64)
+        return areas
+
+    def __len__(self) -> int:
+        return len(self.words)
+
+
+def mask_iou(a: NDArray[Any], b: NDArray[Any]) -> float:
+    """Intersection over union of two masks, in [0, 1]; 0 when both are empty: nothing agrees.
+
+    Args:
+        a: (H, W), bool, or uint8 of 0 and 1.
+        b: Mask of the same size.
+    """
+    first, second = _binary(a), _binary(b)
+    if first.shape != second.shape:
+        raise InvalidMaskError(f"masks must have one size, but have {first.shape} and {second.shape}")
+    union = np.count_nonzero(first | second)
+    return np.count_nonzero(first & second) / union if union else 0.0
+
+
+def rle_counts(mask: NDArray[Any]) -> list[int]:
+    """COCO's uncompressed run lengths: column by column, zeros first.
+
+    Args:
+        mask: (H, W), bool, or uint8 of 0 and 1.
+    """
+    pixels = _binary(mask).ravel(order="F")
+    changes = np.flatnonzero(np.diff(pixels, prepend=False))
+    counts: list[int] = np.diff(changes, prepend=0, append=pixels.size).tolist()
+    return counts
+
+
+def mask_from_rle(counts: Sequence[int], height: int, width: int) -> NDArray[np.bool_]:
+    """The mask of COCO's uncompressed run lengths, (H, W).
+
+    Args:
+        counts: Lengths of the runs of zeros and ones in turn, zeros first, column by column.
+        height: Image height H, pixels.
+        width: Image width W, pixels.
+
+    Raises:
+        InvalidMaskError: If a count is negative or no whole number, or the counts do not add up to H W.
+    """
+    runs = np.asarray(counts)
+    if runs.ndim != 1 or runs.dtype.kind not in "iu" or (runs < 0).any():
+        raise InvalidMaskError(f"counts must be whole numbers >= 0, but are {str(counts)[:60]}")
+    if runs.sum() != height * width:
+        raise InvalidMaskError(f"counts must add up to {height} x {width} = {height * width}, but to {runs.sum()}")
+    return np.repeat(np.arange(len(runs)) % 2 == 1, runs).reshape((height, width), order="F")
+
+
+def _binary(mask: NDArray[Any], dimensions: tuple[int, ...] = (2,)) -> NDArray[np.bool_]:
+    array = np.asarray(mask)
+    if array.ndim not in dimensions:
+        wanted = " or ".join("(K, H, W)" if n == 3 else "(H, W)" for n in dimensions)
+        raise InvalidMaskError(f"a mask must have shape {wanted}, but has {array.shape}")
+    if array.dtype == np.bool_:
+        return array
+    if array.dtype != np.uint8:
+        raise InvalidMaskError(f"a mask must be bool or uint8, but is {array.dtype}")
+    if array.size and array.max() > 1:
+        raise InvalidMaskError(f"a uint8 mask must hold 0 and 1, but holds {array.max()}")
+    return array.view(np.bool_)
