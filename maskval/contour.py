@@ -9,8 +9,7 @@ face keeps that face's sign, and an edge of three or more is listed as several o
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,9 +17,8 @@ from numpy.typing import NDArray
 from maskval.errors import InvalidMeshError
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class ContourEdges:
-    """A mesh laid out for the kernels; made by `contour_edges`.
+class ContourEdges(NamedTuple):
+    """A mesh laid out for the kernels (Numba reads named tuples); made by `contour_edges`, its arrays not writeable.
 
     Args:
         centre_O: Middle of the mesh's box, (3,), metres; it is the origin of the frame M below.

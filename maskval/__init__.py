@@ -1,0 +1,55 @@
+"""MaskVal: how far can a 6D pose be trusted, judged by the mask that it should project to."""
+
+from maskval.camera import Camera
+from maskval.errors import (
+    InvalidCameraError,
+    InvalidEstimatesError,
+    InvalidMaskError,
+    InvalidMeshError,
+    InvalidPoseError,
+    MaskvalError,
+)
+from maskval.geometry import Pose, angle_between
+from maskval.intervals import bootstrap_mean_interval, proportion_interval
+from maskval.masks import PackedMasks, mask_from_rle, mask_iou, rle_counts
+from maskval.mesh import Mesh
+from maskval.pose_error import add, mdd
+from maskval.silhouette import Silhouette, silhouette, silhouette_iou
+from maskval.uncertainty import (
+    EnsembleAdd,
+    Estimates,
+    MaskVal,
+    NoUncertainty,
+    UncertaintyMethod,
+    maskval_uncertainty,
+)
+
+__all__ = [
+    "Camera",
+    "EnsembleAdd",
+    "Estimates",
+    "InvalidCameraError",
+    "InvalidEstimatesError",
+    "InvalidMaskError",
+    "InvalidMeshError",
+    "InvalidPoseError",
+    "MaskVal",
+    "MaskvalError",
+    "Mesh",
+    "NoUncertainty",
+    "PackedMasks",
+    "Pose",
+    "Silhouette",
+    "UncertaintyMethod",
+    "add",
+    "angle_between",
+    "bootstrap_mean_interval",
+    "mask_from_rle",
+    "mask_iou",
+    "maskval_uncertainty",
+    "mdd",
+    "proportion_interval",
+    "rle_counts",
+    "silhouette",
+    "silhouette_iou",
+]
