@@ -1,0 +1,17 @@
+"""What can go wrong in the cell's description of itself; expected failures are outcomes or None, not exceptions."""
+
+
+class CellError(Exception):
+    """Base of every error that this package raises."""
+
+
+class KinematicsInputError(CellError, ValueError):
+    """Joint angles or poses of the wrong shape, or not finite."""
+
+
+class InvalidTrajectoryError(CellError, ValueError):
+    """A trajectory, its speed preset or a request for one that contradicts itself or the arm's limits."""
+
+
+class EstimatorError(CellError, RuntimeError):
+    """An estimator or an uncertainty method raised, or returned something that is no estimate."""
