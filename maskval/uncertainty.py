@@ -153,8 +153,9 @@ class EnsembleAdd:
             raise InvalidEstimatesError(
                 f"EnsembleAdd needs 2 estimators, but the estimates hold {len(estimates.poses)}"
             )
+        used, other = estimates.poses[:2]
         points_O = estimates.mesh.vertices
-        distances = np.array([add(*pair, points_O) for pair in zip(*estimates.poses[:2], strict=True)])
+        distances = np.array([add(X1, X2, points_O) for X1, X2 in zip(used, other, strict=True)])
         return np.clip((distances - self.minimum_m) / (self.maximum_m - self.minimum_m), 0.0, 1.0)
 
 
