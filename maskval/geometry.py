@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass
-from typing import Self
+from typing import ClassVar, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -27,6 +27,8 @@ class Pose:
 
     rotation: NDArray[np.float64]
     translation: NDArray[np.float64]
+    # NumPy would take a pose for a scalar; this makes `pose @ array` and `array @ pose` a TypeError.
+    __array_ufunc__: ClassVar[None] = None
 
     def __post_init__(self) -> None:
         rotation = _array("rotation", self.rotation, (3, 3))

@@ -270,7 +270,7 @@ SQUARE_AHEAD = [Pose.from_translation((0, 0, 0.6))]
         ({}, np.zeros((1, 640, 480), dtype=bool), InvalidMaskError, r"480 x 640 \(H x W\).*have 640 x 480"),
         ({}, np.full((1, 480, 640), 255, dtype=np.uint8), InvalidMaskError, "hold 0 and 1, but holds 255"),
         ({}, np.zeros((1, 480, 640)), InvalidMaskError, "bool or uint8, but is float64"),
-        ({}, np.zeros(480, dtype=bool), InvalidMaskError, r"\(H, W\) or \(K, H, W\)|\(K, H, W\) or \(H, W\)"),
+        ({}, np.zeros(480, dtype=bool), InvalidMaskError, r"shape \(H, W\) or \(K, H, W\), but has \(480,\)"),
         ({"paired": True}, np.zeros((2, 480, 640), dtype=bool), InvalidMaskError, "as many as the 1 poses, but are 2"),
         ({"pixel_center": 1.0}, np.zeros((1, 480, 640), dtype=bool), ValueError, r"in \[0, 1\).*but is 1.0"),
         ({"canvas": "5x5"}, np.zeros((1, 480, 640), dtype=bool), ValueError, "'full' or '3x3', but is '5x5'"),
