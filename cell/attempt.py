@@ -1,0 +1,162 @@
+"""One attempt: approach, close, lift, transfer, insert, release, and the way out when something touches."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NoReturn
+
+import numpy as np
+
+from cell.grasping import RELEASE_GAP, GraspPlan, PlacePlan, plan_grasps, plan_places
+from cell.interfaces import Contact, Touch
+from cell.motion import HOLDING, Motion, Unreachable
+from cell.part import Part
+from cell.records import State
+from maskval import Pose
+
+GRIP = -0.02  # m, commanded half opening: beyond closed, so that the jaws press with all the force that they may use
+CLOSING_TIME = 0.40  # s
+RELEASE_TIME = 0.25  # s
+CLOSED_ON_NOTHING = 0.001  # m half opening below which nothing is between the pads
+
+Enter = Callable[[State, str], None]
+
+
+@dataclass(frozen=True, slots=True)
+class Reach:
+    """How an attempt went, as far as the robot can tell; the referee says what it came to.
+
+    Attributes:
+        grasp: name of the grasp, None if the arm reaches none: then nothing has moved.
+        last_state: where it ended.
+        contact: what stopped it, if anything.
+    """
+
+    grasp: str | None
+    last_state: State
+    contact: Contact | None
+
+
+class _Ended(Exception):  # noqa: N818  # unwinds the sequence from wherever it was
+    def __init__(self, contact: Contact | None) -> None:
+        super().__init__(contact)
+        self.contact = contact
+
+
+class Attempt:
+    """Grasps one part and puts it into one slot of the container. One object, one attempt."""
+
+    def __init__(self, motion: Motion, part: Part, enter: Enter) -> None:
+        self._motion, self._part, self._enter = motion, part, enter
+        self._station = motion.station
+        self._state = State.APPROACH
+
+    def run(self, X_BO_est: Pose, container_slot: int) -> Reach:
+        """Tries it; ends with the arm out of the way."""
+        plan = self._reachable_plan(X_BO_est)
+        if plan is None:
+            return Reach(None, State.APPROACH, None)
+        try:
+            self._pick(plan)
+            self._place(plan, container_slot)
+        except _Ended as end:
+            return Reach(plan.grasp.name, self._state, end.contact)
+        return Reach(plan.grasp.name, self._state, None)
+
+    def _reachable_plan(self, X_BO_est: Pose) -> GraspPlan | None:
+        """The most upright grasp that the arm reaches, the way round that turns the joints least."""
+        plans = plan_grasps(self._part, X_BO_est)
+        for grasp in dict.fromkeys(plan.grasp.name for plan in plans):
+            ways = [
+                (turn, plan)
+                for plan in plans
+                if plan.grasp.name == grasp
+                and (turn := self._turn(plan.X_BT_before, plan.X_BT_grip, plan.X_BT_lifted)) is not None
+            ]
+            if ways:
+                return min(ways, key=lambda way: way[0])[1]
+        return None
+
+    def _reachable_place(self, plan: GraspPlan, container_slot: int, half_opening: float) -> PlacePlan | None:
+        """The way to lay the part down that turns the joints least."""
+        places = plan_places(self._part, self._motion.layout, plan, container_slot, half_opening)
+        ways = [
+            (turn, place)
+            for place in places
+            if (turn := self._turn(place.X_BT_above, place.X_BT_release)) is not None
+        ]
+        return min(ways, key=lambda way: way[0])[1] if ways else None
+
+    def _turn(self, first: Pose, *others: Pose) -> float | None:
+        """How far the joints turn to the first tool pose, rad; None if one of the poses is out of reach."""
+        try:
+            joints = self._motion.joints_for(first)
+            for X_BT in others:
+                self._motion.joints_for(X_BT)
+        except Unreachable:
+            return None
+        return float(np.abs(joints - self._station.q).max())
+
+    def _pick(self, plan: GraspPlan) -> None:
+        motion, station, before = self._motion, self._station, plan.X_BT_before
+        station.command_jaws(plan.grasp.half_opening)
+        self._move(State.APPROACH, f"grasp {plan.grasp.name}", lambda: motion.to_tool(before), None)
+        self._move(State.DESCEND, "above the part", lambda: motion.line_to(plan.X_BT_grip), before)
+        station.command_jaws(GRIP)
+        self._move(State.CLOSE, "at the part", lambda: station.wait(CLOSING_TIME, HOLDING), before)
+        self._check_held(before)
+        self._move(State.LIFT, "part between the jaws", lambda: motion.line_to(plan.X_BT_lifted, HOLDING), before)
+        self._check_held(None)
+
+    def _place(self, plan: GraspPlan, container_slot: int) -> None:
+        motion, station = self._motion, self._station
+        half_opening = station.jaw_half_opening + RELEASE_GAP
+        place = self._reachable_place(plan, container_slot, half_opening)
+        if place is None:
+            self._end(f"slot {container_slot} is out of reach in this orientation", None, None)
+        above = place.X_BT_above
+        self._move(State.TRANSFER, "part lifted", lambda: motion.to_tool(above, HOLDING), None)
+        self._check_held(None)
+        inserting = HOLDING | {Touch.PRESSED}
+        to_slot = f"above slot {container_slot}"
+        self._move(State.INSERT, to_slot, lambda: motion.line_to(place.X_BT_release, inserting), above)
+        station.command_jaws(half_opening)
+        self._move(State.RELEASE, "in the slot", lambda: station.wait(RELEASE_TIME, HOLDING), above)
+        self._move(State.RETREAT, "released", lambda: motion.line_to(above, HOLDING), above)
+
+    def _move(self, state: State, reason: str, motion: Callable[[], Contact | None], retreat: Pose | None) -> None:
+        """Enters a state and moves; on a contact retreats to a tool pose, or to the joints before the move."""
+        self._to(state, reason)
+        q_before = self._station.q
+        try:
+            contact = motion()
+        except Unreachable as unreachable:
+            self._end(str(unreachable), None, None)
+        if contact is None:
+            return
+        if retreat is None:
+            self._enter(State.RETREAT, f"{contact.force:.0f} N against {contact.touch}")
+            self._motion.to_joints(q_before, watch=frozenset())
+            self._end("back where the move began", contact, None)
+        self._end(f"{contact.force:.0f} N against {contact.touch}", contact, retreat)
+
+    def _check_held(self, retreat: Pose | None) -> None:
+        """Ends the attempt when the jaws have closed on nothing."""
+        if self._station.jaw_half_opening < CLOSED_ON_NOTHING:
+            self._end("nothing between the jaws", None, retreat)
+
+    def _end(self, reason: str, contact: Contact | None, retreat: Pose | None) -> NoReturn:
+        """Opens the jaws, goes straight back to `retreat` and ends the attempt; nothing is watched on the way out."""
+        self._enter(State.RETREAT, reason)
+        if self._state is not State.DESCEND:
+            self._station.command_jaws(self._motion.layout.gripper.max_half_opening)
+            self._station.wait(RELEASE_TIME, frozenset())
+        if retreat is not None:
+            try:
+                self._motion.line_to(retreat, watch=frozenset())
+            except Unreachable:
+                self._motion.to_tool(retreat, watch=frozenset())
+        raise _Ended(contact)
+
+    def _to(self, state: State, reason: str) -> None:
+        self._state = state
+        self._enter(state, reason)

@@ -1,0 +1,192 @@
+"""The cycle: search, look, decide, then grasp, refine or search on, until every part has had its 20 seconds."""
+
+from dataclasses import dataclass, field
+
+from cell.attempt import Attempt
+from cell.interfaces import (
+    Action,
+    Decision,
+    Listener,
+    Observation,
+    Outcome,
+    Policy,
+    Referee,
+    Station,
+)
+from cell.layout import Layout
+from cell.motion import Motion, Unreachable
+from cell.part import Part
+from cell.perception import Perception
+from cell.records import AttemptRecord, Count, Seen, Slot, State, Transition
+from cell.search import refinement_view, search_run
+from cell.trajectory import PRESETS, SpeedPreset
+from maskval import Pose
+
+
+@dataclass(frozen=True, slots=True)
+class CycleConfig:
+    """What the cycle may be told.
+
+    Attributes:
+        parts: how many parts lie on the belt; each has one slot of time.
+        slot_time: s per part; an attempt that began in time is finished and counts.
+        refinements: second looks per search view; more of them look at the same picture again.
+        settle_time: s that the arm stands still before a picture.
+        speed: limits of the arm's motions.
+    """
+
+    parts: int = 8
+    slot_time: float = 20.0
+    refinements: int = 1
+    settle_time: float = 0.05
+    speed: SpeedPreset = field(default_factory=lambda: PRESETS["ur-default"])
+
+
+class Cycle:
+    """Runs one experiment on a station. Everything that happens is told to the listener as a record."""
+
+    def __init__(
+        self,
+        station: Station,
+        referee: Referee,
+        perception: Perception,
+        policy: Policy,
+        layout: Layout,
+        config: CycleConfig,
+        listener: Listener,
+    ) -> None:
+        self._station, self._referee = station, referee
+        self._perception, self._policy = perception, policy
+        self._config, self._tell = config, listener
+        self._motion = Motion(station, layout, config.speed)
+        self._search = search_run(layout)
+        self._state = State.SEARCH
+        self._slot = self._view = self._decisions = self._container_slot = 0
+
+    def run(self) -> Count:
+        """The whole experiment: one slot of time per part."""
+        outcomes: list[Outcome] = []
+        timeouts = 0
+        for self._slot in range(self._config.parts):
+            start = self._station.time
+            ended_by = self._run_slot(start + self._config.slot_time, outcomes)
+            timeouts += ended_by is None
+            self._tell(Slot(self._slot, start, self._station.time, ended_by))
+        self._enter(State.DONE, "every part had its time")
+        return Count(
+            parts=self._config.parts,
+            tp=sum(outcome.is_true_positive for outcome in outcomes),
+            fp=sum(outcome.is_false_positive for outcome in outcomes),
+            fn=self._referee.parts_on_belt(),
+            void=outcomes.count(Outcome.VOID),
+            unreachable=outcomes.count(Outcome.UNREACHABLE),
+            timeouts=timeouts,
+            duration=self._station.time,
+        )
+
+    def _run_slot(self, deadline: float, outcomes: list[Outcome]) -> Outcome | None:
+        """Until a part is placed, an attempt fails or the time is up; appends every outcome on the way."""
+        while self._station.time < deadline:
+            outcome = self._run_view(deadline)
+            if outcome is None:
+                self._view += 1
+                continue
+            outcomes.append(outcome)
+            if outcome is not Outcome.PLACED:  # the rest of a view that gave a part is worth another look
+                self._view += 1
+            if outcome.is_true_positive or outcome.is_false_positive:
+                return outcome
+        return None
+
+    def _run_view(self, deadline: float) -> Outcome | None:
+        """One view of the search run, its second looks and the attempt that may follow; None without one."""
+        self._enter(State.SEARCH, f"view {self._view}")
+        contact = self._motion.to_camera(self._search.view(self._view))
+        for look in range(self._config.refinements + 1):
+            if contact is not None:
+                return self._referee.verdict(contact)
+            seen = self._look(refining=look > 0)
+            action = seen.decision.action
+            if action is Action.GRASP and self._station.time < deadline:
+                return self._attempt(seen)
+            if action is not Action.REFINE or look == self._config.refinements or self._station.time >= deadline:
+                return None
+            X_BC = self._refinement_view(seen)
+            self._enter(State.REFINE, f"detection {seen.decision.detection}")
+            try:
+                contact = self._motion.to_camera(X_BC)
+            except Unreachable as reason:
+                self._enter(State.SEARCH, str(reason))
+                return None
+        return None
+
+    def _look(self, refining: bool) -> Seen:
+        self._enter(State.LOOK, "camera in place")
+        self._station.wait(self._config.settle_time, frozenset())
+        observation = self._perception.look(self._station, refining)
+        self._enter(State.DECIDE, f"{len(observation.detections)} detections")
+        decision = checked(self._policy.decide(observation), observation)
+        seen = Seen(self._slot, self._decisions, observation, decision)
+        self._decisions += 1
+        self._tell(seen)
+        return seen
+
+    def _refinement_view(self, seen: Seen) -> Pose:
+        frame = seen.observation.frame
+        X_CO_est = seen.observation.poses[0][_detection(seen.decision)]
+        return refinement_view(frame.X_BC, X_CO_est, self._perception.part.mesh.bounds.mean(axis=0))
+
+    def _attempt(self, seen: Seen) -> Outcome:
+        observation, index = seen.observation, _detection(seen.decision)
+        X_BO_est = observation.frame.X_BC @ observation.poses[0][index]
+        start = self._station.time
+        self._referee.attempt_begins(self._container_slot)
+        reach = Attempt(self._motion, self._perception.part, self._enter).run(X_BO_est, self._container_slot)
+        outcome = Outcome.UNREACHABLE if reach.grasp is None else self._referee.verdict(reach.contact)
+        self._tell(
+            AttemptRecord(
+                slot=self._slot,
+                decision_index=seen.decision_index,
+                frame=observation.frame.index,
+                detection=index,
+                u=float(observation.uncertainties[index]),
+                threshold=seen.decision.threshold,
+                X_BO_est=X_BO_est,
+                grasp=reach.grasp,
+                container_slot=self._container_slot,
+                start=start,
+                end=self._station.time,
+                last_state=reach.last_state,
+                contact=reach.contact,
+                outcome=outcome,
+            )
+        )
+        if reach.last_state in (State.INSERT, State.RELEASE, State.RETREAT):
+            self._container_slot += 1  # something was put there, well or badly
+        return outcome
+
+    def _enter(self, state: State, reason: str) -> None:
+        self._tell(Transition(self._station.time, self._state, state, reason))
+        self._state = state
+
+
+def checked(decision: Decision, observation: Observation) -> Decision:
+    """The decision, if it is about a detection that exists.
+
+    Raises:
+        ValueError: it is not.
+    """
+    count = len(observation.detections)
+    if decision.action is not Action.SEARCH and decision.detection not in range(count):
+        raise ValueError(
+            f"expected a detection in 0..{count - 1} to {decision.action}, got {decision.detection} "
+            f"on frame {observation.frame.index}"
+        )
+    return decision
+
+
+def _detection(decision: Decision) -> int:
+    if decision.detection is None:
+        raise ValueError(f"a decision to {decision.action} names no detection")
+    return decision.detection
+

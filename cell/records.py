@@ -1,0 +1,119 @@
+"""What the controller writes down: one record per frame, decision, attempt, slot and change of state."""
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+
+from cell.interfaces import Contact, Decision, Observation, Outcome
+from maskval import Pose
+
+
+class State(StrEnum):
+    """The states of the cycle."""
+
+    SEARCH = "search"
+    LOOK = "look"
+    DECIDE = "decide"
+    REFINE = "refine"
+    APPROACH = "approach"
+    DESCEND = "descend"
+    CLOSE = "close"
+    LIFT = "lift"
+    TRANSFER = "transfer"
+    INSERT = "insert"
+    RELEASE = "release"
+    RETREAT = "retreat"
+    DONE = "done"
+
+
+@dataclass(frozen=True, slots=True)
+class Transition:
+    """From one state to another, at a time (s), for a reason in words."""
+
+    time: float
+    source: State
+    target: State
+    reason: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Seen:
+    """An observation and the decision upon it; `decision_index` counts the decisions of an experiment from 0."""
+
+    slot: int
+    decision_index: int
+    observation: Observation
+    decision: Decision
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class AttemptRecord:
+    """One reach for a part, traceable to frame, detection, pose, u and threshold.
+
+    Attributes:
+        slot: the 20 s slot in which it began.
+        decision_index: the decision that caused it.
+        frame: index of the frame that it was decided upon.
+        detection: index in that frame.
+        u: the detection's uncertainty.
+        threshold: the bound that u met, if there was one.
+        X_BO_est: the estimated pose of the part in the robot's base.
+        grasp: name of the grasp, if one was found.
+        container_slot: where the part was to go.
+        start: s.
+        end: s.
+        last_state: how far it came.
+        contact: what stopped it, if anything.
+        outcome: the referee's verdict.
+    """
+
+    slot: int
+    decision_index: int
+    frame: int
+    detection: int
+    u: float
+    threshold: float | None
+    X_BO_est: Pose
+    grasp: str | None
+    container_slot: int
+    start: float
+    end: float
+    last_state: State
+    contact: Contact | None
+    outcome: Outcome
+
+
+@dataclass(frozen=True, slots=True)
+class Slot:
+    """The 20 seconds (more, if an attempt began in time) that one part has; `outcome` is None for a time-out."""
+
+    index: int
+    start: float
+    end: float
+    outcome: Outcome | None
+
+
+@dataclass(frozen=True, slots=True)
+class Count:
+    """What an experiment came to. Every slot is a TP, an FP or a time-out; FN are the parts left on the belt."""
+
+    parts: int
+    tp: int
+    fp: int
+    fn: int
+    void: int
+    unreachable: int
+    timeouts: int
+    duration: float
+
+    @property
+    def ap(self) -> float | None:
+        """TP / (TP + FP); None without attempts that count."""
+        return self.tp / (self.tp + self.fp) if self.tp + self.fp else None
+
+    @property
+    def ar(self) -> float | None:
+        """TP / (TP + FN); None if nothing was placed and nothing was left."""
+        return self.tp / (self.tp + self.fn) if self.tp + self.fn else None
+
+

@@ -1,0 +1,42 @@
+"""The search run: where the camera looks in turn."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from cell.grasping import look_at
+from cell.layout import Layout
+from maskval import Pose
+
+SEARCH_DISTANCE = 0.55  # m above the belt: the image's height just covers the belt's width
+SEARCH_STEP = 0.20  # m along the belt
+REFINE_DISTANCE = 0.40  # m from the estimated part
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SearchRun:
+    """Camera poses X_BC along the belt, there and back again."""
+
+    views: tuple[Pose, ...]
+
+    def view(self, index: int) -> Pose:
+        """The index-th view of an endless run to and fro; the ends are looked at once per turn."""
+        last = len(self.views) - 1
+        position = index % (2 * last)
+        return self.views[min(position, 2 * last - position)]
+
+
+def search_run(layout: Layout) -> SearchRun:
+    """Views over the loaded stretch of the belt, beginning at the end away from the container."""
+    belt = layout.belt
+    half_view = SEARCH_DISTANCE * layout.camera.width / (2 * layout.camera.fx)
+    reach = belt.loading_length / 2 - half_view
+    count = int(np.ceil(2 * reach / SEARCH_STEP)) + 1
+    X_BW = layout.X_WB.inverse()
+    points_W = [np.array([belt.center_x, y, belt.top_z]) for y in np.linspace(reach, -reach, count)]
+    return SearchRun(tuple(look_at(X_BW.apply(point), SEARCH_DISTANCE) for point in points_W))
+
+
+def refinement_view(X_BC: Pose, X_CO_est: Pose, center_O: np.ndarray) -> Pose:
+    """X_BC of a nearer view, straight above the estimated middle of the part."""
+    return look_at(X_BC.apply(X_CO_est.apply(center_O)), REFINE_DISTANCE)

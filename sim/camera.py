@@ -1,0 +1,62 @@
+"""The one place that renders: RGB, z-depth and part numbers from a camera of the model."""
+
+from typing import Any
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from sim.errors import GraphicsError
+
+PIXEL_CENTER = 0.5  # OpenGL samples pixel i at i + 0.5
+NOTHING = -1  # in an image of part numbers
+
+GL_PACKAGES = "libegl1 libgl1 libosmesa6"
+
+
+class Camera:
+    """An off-screen renderer of one model; holds an OpenGL context, so make few and `close` them."""
+
+    def __init__(self, model: mujoco.MjModel, height: int, width: int) -> None:
+        try:
+            self._renderer: Any = mujoco.Renderer(model, height, width)
+        except Exception as error:  # the bindings raise whatever their platform's loader raises
+            raise GraphicsError(
+                f"no off-screen OpenGL ({type(error).__name__}: {error}); expected EGL or OSMesa: "
+                f"apt-get install {GL_PACKAGES}, then set MUJOCO_GL to egl or osmesa"
+            ) from error
+        names = (mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_GEOM, geom) or "" for geom in range(model.ngeom))
+        numbers = [int(name.removeprefix("part_")) if name.startswith("part_") else NOTHING for name in names]
+        self._part_of_geom = np.array([*numbers, NOTHING], dtype=np.int8)  # the last for -1, the background
+        self._zfar = float(model.vis.map.zfar * model.stat.extent)
+
+    def rgb(self, data: mujoco.MjData, camera: str) -> NDArray[np.uint8]:
+        """The picture, (H, W, 3) uint8."""
+        self._renderer.disable_depth_rendering()
+        self._renderer.disable_segmentation_rendering()
+        return self._render(data, camera).copy()
+
+    def depth(self, data: mujoco.MjData, camera: str) -> NDArray[np.float32]:
+        """z-depth, (H, W) m; 0 where the camera sees nothing."""
+        self._renderer.disable_segmentation_rendering()
+        self._renderer.enable_depth_rendering()
+        depth = self._render(data, camera).copy()
+        self._renderer.disable_depth_rendering()
+        depth[depth >= 0.99 * self._zfar] = 0.0
+        return depth
+
+    def part_numbers(self, data: mujoco.MjData, camera: str) -> NDArray[np.int8]:
+        """Which part each pixel shows, (H, W); `NOTHING` where it shows none."""
+        self._renderer.enable_segmentation_rendering()
+        seen = self._render(data, camera)
+        self._renderer.disable_segmentation_rendering()
+        is_geom = seen[..., 1] == int(mujoco.mjtObj.mjOBJ_GEOM)
+        return self._part_of_geom[np.where(is_geom, seen[..., 0], -1)]
+
+    def close(self) -> None:
+        """Gives the OpenGL context back."""
+        self._renderer.close()
+
+    def _render(self, data: mujoco.MjData, camera: str) -> NDArray[Any]:
+        self._renderer.update_scene(data, camera)
+        return self._renderer.render()

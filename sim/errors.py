@@ -1,0 +1,27 @@
+"""What can go wrong in the simulated cell."""
+
+
+class SimError(Exception):
+    """Base of the errors of the simulation."""
+
+
+class PartFileError(SimError, ValueError):
+    """A part that is unknown, or whose file or mesh is unfit."""
+
+
+class PlacementError(SimError, RuntimeError):
+    """No room on the belt for the parts that were asked for."""
+
+
+class DivergenceError(SimError, RuntimeError):
+    """The physics left the finite numbers, or MuJoCo warned that it did."""
+
+
+class GraphicsError(SimError, RuntimeError):
+    """No off-screen OpenGL: the system library is missing or does not work."""
+
+
+class NoiseFileError(SimError, ValueError):
+    """An error model that is unknown, or whose file is unfit."""
+
+

@@ -1,0 +1,253 @@
+"""Builds the cell as a MuJoCo model: layout and parts in, compiled model out."""
+
+from collections.abc import Sequence
+
+import mujoco
+import numpy as np
+
+from cell.layout import Belt, Container, Layout
+from maskval import Pose
+from sim.parts import PartModel
+from sim.robot import GRIP_SOLIMP, add_robot
+
+TIME_STEP = 0.002  # s; outcomes equal those at 1 ms, at 4 ms they begin to differ
+ROBOT = "shoulder"  # root of everything that moves with the robot
+PART_SOLREF = (0.006, 1.0)
+FURNITURE_FRICTION = (0.7, 0.01, 0.001)
+SURFACE_VELOCITY_Y = 1  # index into a geom's six surface velocities
+
+_BOX = mujoco.mjtGeom.mjGEOM_BOX
+_FORCE_OF_STRONGEST_CONTACT = (2, 2, 1)  # data: force; reduce: by largest force; one slot
+BELT_RGBA = (0.38, 0.47, 0.42, 1.0)
+FRAME_RGBA = (0.62, 0.64, 0.66, 1.0)
+CONTAINER_RGBA = (0.20, 0.36, 0.60, 1.0)
+
+
+def part_body(index: int) -> str:
+    """Name of the body of part `index`."""
+    return f"part_{index}"
+
+
+def robot_touches(other: str) -> str:
+    """Name of the sensor for the strongest contact between the robot and `other`."""
+    return f"robot_{other}"
+
+
+def container_presses(index: int) -> str:
+    """Name of the sensor for the strongest contact between part `index` and the container."""
+    return f"container_part_{index}"
+
+
+def build_scene(
+    layout: Layout,
+    models: Sequence[PartModel],
+    slot_size: tuple[float, float],
+    X_FC_true: Pose,
+    *,
+    use_meshes: bool = False,
+) -> mujoco.MjModel:
+    """The compiled cell with one free body per entry of `models`; equal entries share their meshes.
+
+    Args:
+        layout: the cell.
+        models: a part model per part on the belt.
+        slot_size: inner size of the container's slots along W's x and y, m.
+        X_FC_true: where the camera really is; the controller believes in `layout.X_FC`.
+        use_meshes: whether to draw the arm with its maker's meshes.
+    """
+    spec = mujoco.MjSpec()
+    spec.modelname = "graspcell"
+    spec.compiler.degree = False
+    _set_options(spec)
+    _add_surroundings(spec, layout)
+    _add_belt(spec, layout.belt, layout.floor_z)
+    _add_container(spec, layout.container, slot_size, layout.floor_z)
+    add_robot(spec, layout, X_FC_true, use_meshes)
+    for model in {model.part.name: model for model in models}.values():
+        _add_part_assets(spec, model)
+    for index, model in enumerate(models):
+        _add_part(spec, index, model)
+    _add_sensors(spec, len(models))
+    return spec.compile()
+
+
+def _set_options(spec: mujoco.MjSpec) -> None:
+    option = spec.option
+    option.timestep = TIME_STEP
+    option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+    option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
+    option.impratio = 100.0  # a held part creeps out of the jaws at 10 and falls at 1
+    option.jacobian = mujoco.mjtJacobian.mjJAC_DENSE  # 4.0.0's sparse Newton solver has a defect (issue 3767)
+    option.enableflags |= mujoco.mjtEnableBit.mjENBL_SLEEP
+    spec.visual.quality.offsamples = 0  # without multisampling masks and depths are exact
+    spec.visual.quality.shadowsize = 4096
+    getattr(spec.visual, "global").offwidth = 1920
+    getattr(spec.visual, "global").offheight = 1080
+    spec.visual.map.znear = 0.005
+    spec.visual.map.zfar = 20.0
+    spec.stat.extent, spec.stat.center = 2.0, (0.4, -0.3, 0.1)
+    headlight = spec.visual.headlight
+    headlight.ambient, headlight.diffuse, headlight.specular = [0.35] * 3, [0.35] * 3, [0.2] * 3
+
+
+def _add_surroundings(spec: mujoco.MjSpec, layout: Layout) -> None:
+    spec.add_texture(
+        name="sky",
+        type=mujoco.mjtTexture.mjTEXTURE_SKYBOX,
+        builtin=mujoco.mjtBuiltin.mjBUILTIN_GRADIENT,
+        rgb1=[0.86, 0.89, 0.92],
+        rgb2=[0.62, 0.67, 0.72],
+        width=64,
+        height=384,
+    )
+    spec.add_texture(
+        name="floor",
+        type=mujoco.mjtTexture.mjTEXTURE_2D,
+        builtin=mujoco.mjtBuiltin.mjBUILTIN_CHECKER,
+        rgb1=[0.74, 0.75, 0.76],
+        rgb2=[0.70, 0.71, 0.72],
+        width=256,
+        height=256,
+    )
+    floor = spec.add_material(name="floor", texrepeat=[4, 4], texuniform=True, reflectance=0.0)
+    floor.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = "floor"
+    world = spec.worldbody
+    body = world.add_body(name="floor", pos=(0, 0, layout.floor_z))
+    body.add_geom(type=mujoco.mjtGeom.mjGEOM_PLANE, size=[4, 4, 0.1], material="floor", friction=FURNITURE_FRICTION)
+    body.add_geom(
+        type=_BOX, size=[0.13, 0.13, -layout.floor_z / 2], pos=[0, 0, -layout.floor_z / 2], rgba=[0.25, 0.27, 0.30, 1]
+    )
+    for pos, direction, strength, shadow in (
+        ((1.6, 1.2, 2.6), (-0.5, -0.4, -1.0), 0.55, True),
+        ((0.2, -2.0, 2.4), (0.1, 0.7, -1.0), 0.25, False),
+    ):
+        light = world.add_light(pos=pos, dir=direction, castshadow=shadow)
+        light.type = mujoco.mjtLightType.mjLIGHT_DIRECTIONAL
+        light.diffuse, light.specular = [strength] * 3, [0.4 * strength] * 3
+    world.add_camera(name="overview", pos=(2.05, -1.75, 1.15), xyaxes=(0.72, 0.69, 0.0, -0.35, 0.365, 0.862), fovy=42)
+
+
+def _add_belt(spec: mujoco.MjSpec, belt: Belt, floor_z: float) -> None:
+    body = spec.worldbody.add_body(name="belt", pos=(belt.center_x, 0.0, belt.top_z))
+    half_x, half_y, thickness = belt.width / 2, belt.length / 2, 0.03
+    solid = {"type": _BOX, "friction": FURNITURE_FRICTION}
+    body.add_geom(
+        name="belt",
+        size=[half_x, half_y, thickness / 2],
+        pos=[0, 0, -thickness / 2],
+        rgba=BELT_RGBA,
+        # Declared as moving so that the engine looks at it at all; sim.world sets the speed, zero during a run.
+        surfacevel=[0, 1e-9, 0, 0, 0, 0],
+        **solid,
+    )
+    for side in (-1, 1):
+        rail_x = side * (half_x + 0.015)
+        body.add_geom(size=[0.014, half_y + 0.03, 0.045], pos=[rail_x, 0, -0.033], rgba=FRAME_RGBA, **solid)
+        end_y = side * (half_y + 0.03)
+        body.add_geom(
+            type=mujoco.mjtGeom.mjGEOM_CYLINDER,
+            size=[0.028, half_x, 0],
+            pos=[0, side * half_y, -0.031],
+            quat=[np.sqrt(0.5), 0, np.sqrt(0.5), 0],
+            rgba=BELT_RGBA,
+            contype=0,
+            conaffinity=0,
+        )
+        for leg_x in (-half_x, half_x):
+            height = belt.top_z - floor_z
+            body.add_geom(
+                size=[0.02, 0.02, height / 2],
+                pos=[leg_x, 0.8 * end_y, -height / 2 - 0.02],
+                rgba=FRAME_RGBA,
+                contype=0,
+                conaffinity=0,
+                type=_BOX,
+            )
+
+
+def _add_container(
+    spec: mujoco.MjSpec, container: Container, slot_size: tuple[float, float], floor_z: float
+) -> None:
+    body = spec.worldbody.add_body(name="container", pos=(container.center_x, container.center_y, container.floor_z))
+    wall, height = container.wall_thickness, container.wall_height
+    length_x = container.columns * (slot_size[0] + wall) + wall
+    length_y = container.rows * (slot_size[1] + wall) + wall
+    solid = {"type": _BOX, "rgba": CONTAINER_RGBA, "friction": FURNITURE_FRICTION}
+    body.add_geom(size=[length_x / 2, length_y / 2, 0.005], pos=[0, 0, -0.005], **solid)
+    for column in range(container.columns + 1):
+        x = (column - container.columns / 2) * (slot_size[0] + wall)
+        body.add_geom(size=[wall / 2, length_y / 2, height / 2], pos=[x, 0, height / 2], **solid)
+    for row in range(container.rows + 1):
+        y = (row - container.rows / 2) * (slot_size[1] + wall)
+        body.add_geom(size=[length_x / 2, wall / 2, height / 2], pos=[0, y, height / 2], **solid)
+    table = container.floor_z - 0.010 - floor_z
+    body.add_geom(
+        type=_BOX,
+        size=[length_x / 2, length_y / 2, table / 2],
+        pos=[0, 0, -0.010 - table / 2],
+        rgba=FRAME_RGBA,
+        friction=FURNITURE_FRICTION,
+    )
+
+
+def _add_part_assets(spec: mujoco.MjSpec, model: PartModel) -> None:
+    name, mesh = model.part.name, model.part.mesh
+    spec.add_material(name=name, rgba=model.rgba, specular=model.specular, shininess=model.shininess, reflectance=0.0)
+    shape = spec.add_mesh(name=name, inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_EXACT)
+    shape.uservert, shape.userface = mesh.vertices.ravel(), mesh.faces.ravel()
+    for index, piece in enumerate(model.pieces):
+        convex = spec.add_mesh(name=f"{name}_piece_{index}", inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_CONVEX)
+        convex.uservert, convex.userface = piece.vertices.ravel(), piece.faces.ravel()
+
+
+def _add_part(spec: mujoco.MjSpec, index: int, model: PartModel) -> None:
+    body = spec.worldbody.add_body(name=part_body(index), pos=(0.0, 2.0 + index, 1.0))
+    body.add_freejoint(name=part_body(index))
+    body.mass, body.ipos, body.explicitinertial = model.mass, model.center_of_mass, True
+    inertia = model.inertia
+    body.fullinertia = [*np.diag(inertia), inertia[0, 1], inertia[0, 2], inertia[1, 2]]
+    mesh = mujoco.mjtGeom.mjGEOM_MESH
+    body.add_geom(
+        name=part_body(index),
+        type=mesh,
+        meshname=model.part.name,
+        material=model.part.name,
+        contype=0,
+        conaffinity=0,
+        density=0.0,
+    )
+    for piece in range(len(model.pieces)):
+        body.add_geom(
+            type=mesh,
+            meshname=f"{model.part.name}_piece_{piece}",
+            group=3,
+            density=0.0,
+            condim=4,
+            friction=(model.friction, 0.01, 0.001),
+            solref=PART_SOLREF,
+            solimp=GRIP_SOLIMP,
+        )
+
+
+def _add_sensors(spec: mujoco.MjSpec, parts: int) -> None:
+    """Contact forces by pair of interest, in newtons: no Python loop over contacts is needed at run time."""
+    robot = {"objtype": mujoco.mjtObj.mjOBJ_XBODY, "objname": ROBOT}
+    for other in ("belt", "container", "base", *(part_body(index) for index in range(parts))):
+        _add_contact_sensor(spec, robot_touches(other), robot, {"reftype": mujoco.mjtObj.mjOBJ_BODY, "refname": other})
+    _add_contact_sensor(
+        spec, robot_touches("itself"), robot, {"reftype": mujoco.mjtObj.mjOBJ_XBODY, "refname": ROBOT}
+    )
+    for index in range(parts):
+        _add_contact_sensor(
+            spec,
+            container_presses(index),
+            {"objtype": mujoco.mjtObj.mjOBJ_BODY, "objname": part_body(index)},
+            {"reftype": mujoco.mjtObj.mjOBJ_BODY, "refname": "container"},
+        )
+
+
+def _add_contact_sensor(
+    spec: mujoco.MjSpec, name: str, one: dict[str, object], other: dict[str, object]
+) -> None:
+    sensor = spec.add_sensor(name=name, type=mujoco.mjtSensor.mjSENS_CONTACT, **one, **other)
+    sensor.intprm = [*_FORCE_OF_STRONGEST_CONTACT] if len(sensor.intprm) == 3 else _FORCE_OF_STRONGEST_CONTACT

@@ -1,0 +1,66 @@
+"""What a picture really shows. Estimators of this package are made from it; observations never hold it."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cell.interfaces import Detection, Frame
+from maskval import Camera, Mesh, Pose, silhouette
+from sim.camera import PIXEL_CENTER
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FrameTruth:
+    """The truth about one frame.
+
+    Attributes:
+        frame: index of the frame.
+        part_numbers: (H, W) int8, the part that each pixel shows, −1 where it shows none.
+        X_CO_true: true pose of every part in the true camera.
+    """
+
+    frame: int
+    part_numbers: NDArray[np.int8]
+    X_CO_true: tuple[Pose, ...]
+
+    def visible_parts(self) -> list[int]:
+        """Parts with at least one pixel, in the order of their numbers."""
+        return [int(part) for part in np.unique(self.part_numbers) if part >= 0]
+
+    def mask(self, part: int) -> NDArray[np.bool_]:
+        """The pixels that show the part, (H, W)."""
+        return self.part_numbers == part
+
+    def visibility(self, part: int, mesh: Mesh, camera: Camera) -> float:
+        """Visible share of the part's whole silhouette, in [0, 1]: occlusion and the image's border together."""
+        whole = silhouette(mesh, self.X_CO_true[part], camera, pixel_center=PIXEL_CENTER).area_px
+        return min(1.0, float(self.mask(part).sum()) / whole) if whole else 0.0
+
+    def part_of(self, detection: Detection) -> int | None:
+        """The part that most of the detection's pixels show; None if they show none."""
+        numbers = self.part_numbers[detection.mask]
+        numbers = numbers[numbers >= 0]
+        return int(np.bincount(numbers).argmax()) if numbers.size else None
+
+
+class TruthBooth:
+    """Holds the truth about the newest frame for those who may ask: this package's estimators and the logs."""
+
+    def __init__(self) -> None:
+        self._newest: FrameTruth | None = None
+
+    def keep(self, truth: FrameTruth) -> None:
+        """Replaces what is held."""
+        self._newest = truth
+
+    def of(self, frame: Frame) -> FrameTruth:
+        """The truth about the newest frame.
+
+        Raises:
+            LookupError: an older frame is asked for.
+        """
+        if self._newest is None or self._newest.frame != frame.index:
+            held = "none" if self._newest is None else f"frame {self._newest.frame}"
+            raise LookupError(f"the truth about frame {frame.index} is not held any more, only {held}")
+        return self._newest

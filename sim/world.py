@@ -1,0 +1,181 @@
+"""The running physics: reset, step, read and command. Truth is read here and nowhere else."""
+
+from collections.abc import Sequence
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from cell.interfaces import Touch
+from cell.layout import Layout
+from cell.search import search_run
+from cell.ur10 import inverse_on_branch
+from maskval import Pose
+from sim.errors import DivergenceError
+from sim.parts import PartModel
+from sim.robot import FINGERS, JOINTS
+from sim.scene import SURFACE_VELOCITY_Y, build_scene, container_presses, part_body, robot_touches
+
+SETTLE_TIME = 1.0  # s of physics before an experiment begins
+Q_NEAR_BELT = np.radians([0.0, -100.0, 100.0, -90.0, -90.0, 0.0])  # which turn of base and wrist 3 to begin with
+
+Array = NDArray[np.float64]
+
+
+class World:
+    """One cell with its parts. Build it once, `reset` it for every experiment.
+
+    Args:
+        layout: the cell.
+        model: the kind of part.
+        parts: how many of them.
+        X_FC_true: where the camera really is, if hand-eye calibration erred.
+        use_meshes: whether to draw the arm with its maker's meshes.
+    """
+
+    def __init__(
+        self,
+        layout: Layout,
+        model: PartModel,
+        parts: int,
+        X_FC_true: Pose | None = None,
+        use_meshes: bool = False,
+    ) -> None:
+        self.layout, self.part_model, self.parts = layout, model, parts
+        self.model = build_scene(
+            layout, [model] * parts, model.part.slot_size, X_FC_true or layout.X_FC, use_meshes=use_meshes
+        )
+        self.data = mujoco.MjData(self.model)
+        compiled = self.model
+        self._arm = np.array([compiled.joint(name).qposadr[0] for name in JOINTS])
+        self._jaw = compiled.joint(FINGERS[0]).qposadr[0]
+        servo = np.array([compiled.actuator_ctrladr[compiled.actuator(name).id] for name in JOINTS])
+        self._servo_position, self._servo_velocity = servo, servo + 1
+        self._jaw_command = compiled.actuator_ctrladr[compiled.actuator("jaws").id]
+        self._bodies = np.array([compiled.body(part_body(index)).id for index in range(parts)])
+        self._free_joints = [compiled.joint(part_body(index)).qposadr[0] for index in range(parts)]
+        self._flange = compiled.body("flange").id
+        self._wrist = compiled.camera("wrist").id
+        self._belt = compiled.geom("belt").id
+        self.q_home = self._home()
+
+    def _home(self) -> Array:
+        """Joint angles of the search run's first view."""
+        first = search_run(self.layout).views[0]
+        q = inverse_on_branch(first @ self.layout.X_FC.inverse(), Q_NEAR_BELT)
+        if q is None:
+            raise ValueError("the layout's first search view is out of the arm's reach")
+        return q
+
+    def reset(self, X_WO: Sequence[Pose]) -> None:
+        """Puts arm and parts in place and lets them settle; the clock then stands at 0.
+
+        Raises:
+            DivergenceError: the parts do not come to rest in finite numbers.
+        """
+        mujoco.mj_resetData(self.model, self.data)
+        self.move_belt(0.0)
+        self.data.qpos[self._arm] = self.q_home
+        for address, pose in zip(self._free_joints, X_WO, strict=True):
+            self.data.qpos[address : address + 3] = pose.translation
+            self.data.qpos[address + 3 : address + 7] = pose.quaternion_wxyz
+        self.command_arm(self.q_home, np.zeros(6))
+        self.command_jaws(self.layout.gripper.max_half_opening)
+        self.advance(round(SETTLE_TIME / self.time_step))
+        self.data.time = 0.0
+
+    @property
+    def time(self) -> float:
+        """Seconds since the reset."""
+        return float(self.data.time)
+
+    @property
+    def time_step(self) -> float:
+        """Seconds per step of physics."""
+        return float(self.model.opt.timestep)
+
+    @property
+    def q(self) -> Array:
+        """Measured joint angles, (6,) rad."""
+        return self.data.qpos[self._arm].copy()
+
+    @property
+    def jaw_half_opening(self) -> float:
+        """Measured distance of each jaw from the middle, m."""
+        return float(self.data.qpos[self._jaw])
+
+    def command_arm(self, q: Array, qd: Array) -> None:
+        """Sets the servo's joint angles (rad) and speeds (rad/s)."""
+        self.data.ctrl[self._servo_position] = q
+        self.data.ctrl[self._servo_velocity] = qd
+
+    def command_jaws(self, half_opening: float) -> None:
+        """Sets the jaws' half opening, m."""
+        self.data.ctrl[self._jaw_command] = half_opening
+
+    def move_belt(self, speed: float) -> None:
+        """Sets the speed of the belt's surface along W's y, m/s, and wakes the parts that lie on it."""
+        moving = self.model.geom_surfacevel[self._belt, SURFACE_VELOCITY_Y] != 0.0
+        self.model.geom_surfacevel[self._belt, SURFACE_VELOCITY_Y] = speed
+        self.model.flg_surfacevel = 1
+        if speed != 0.0 or moving:
+            nudge = 1e-2  # m/s: sleeping parts are not woken by the surface under them
+            for body in self._bodies:
+                self.data.qvel[self.model.body_dofadr[body] + SURFACE_VELOCITY_Y] += nudge
+
+    def step(self) -> None:
+        """One time step."""
+        mujoco.mj_step(self.model, self.data)
+
+    def advance(self, steps: int) -> None:
+        """Many time steps, then a check."""
+        mujoco.mj_step(self.model, self.data, steps)
+        self.check()
+
+    def check(self) -> None:
+        """Asks whether the physics is still finite.
+
+        Raises:
+            DivergenceError: it is not.
+        """
+        warnings = self.data.warning
+        for kind in (mujoco.mjtWarning.mjWARN_BADQPOS, mujoco.mjtWarning.mjWARN_BADQVEL, mujoco.mjtWarning.mjWARN_BADQACC):
+            if warnings[kind].number:
+                raise DivergenceError(f"physics diverged ({kind.name}) before {self.time:.3f} s")
+        if not (np.isfinite(self.data.qpos).all() and np.isfinite(self.data.qvel).all()):
+            raise DivergenceError(f"physics has numbers that are not finite at {self.time:.3f} s")
+
+    def X_WO(self, index: int) -> Pose:
+        """True pose of a part."""
+        body = self._bodies[index]
+        return Pose(self.data.xmat[body].reshape(3, 3), self.data.xpos[body])
+
+    def X_WF(self) -> Pose:
+        """True pose of the flange."""
+        return Pose(self.data.xmat[self._flange].reshape(3, 3), self.data.xpos[self._flange])
+
+    def X_WC(self) -> Pose:
+        """True pose of the wrist camera, in OpenCV's convention."""
+        rotation = self.data.cam_xmat[self._wrist].reshape(3, 3) @ np.diag([1.0, -1.0, -1.0])
+        return Pose(rotation, self.data.cam_xpos[self._wrist])
+
+    def X_CO(self, index: int) -> Pose:
+        """True pose of a part in the true camera."""
+        return self.X_WC().inverse() @ self.X_WO(index)
+
+    def touch_sensors(self) -> dict[Touch, NDArray[np.intp]]:
+        """Rows of `contact_forces` for every kind of touch."""
+        names = {
+            Touch.BELT: [robot_touches("belt")],
+            Touch.CONTAINER: [robot_touches("container")],
+            Touch.ROBOT: [robot_touches("base"), robot_touches("itself")],
+            Touch.PART: [robot_touches(part_body(index)) for index in range(self.parts)],
+            Touch.PRESSED: [container_presses(index) for index in range(self.parts)],
+        }
+        return {
+            touch: np.array([self.model.sensor(name).adr[0] // 3 for name in group]) for touch, group in names.items()
+        }
+
+    def contact_forces(self) -> Array:
+        """Strongest contact force vector of every sensor, (S, 3) N; a view that the next step overwrites."""
+        return self.data.sensordata.reshape(-1, 3)
