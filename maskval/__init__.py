@@ -1,6 +1,8 @@
 """MaskVal: how far can a 6D pose be trusted, judged by the mask that it should project to."""
 
+from maskval.association import UNMATCHED, associate
 from maskval.camera import Camera
+from maskval.ensemble import EnsembleAdd, EnsembleMdd, EnsembleRotation, EnsembleTranslation
 from maskval.errors import (
     InvalidCameraError,
     InvalidEstimatesError,
@@ -9,24 +11,22 @@ from maskval.errors import (
     InvalidPoseError,
     MaskvalError,
 )
+from maskval.estimates import Estimates, NoUncertainty, UncertaintyMethod
 from maskval.geometry import Pose, angle_between
 from maskval.intervals import bootstrap_mean_interval, proportion_interval
 from maskval.masks import PackedMasks, mask_from_rle, mask_iou, rle_counts
 from maskval.mesh import Mesh
 from maskval.pose_error import add, mdd
 from maskval.silhouette import Silhouette, silhouette, silhouette_iou
-from maskval.uncertainty import (
-    EnsembleAdd,
-    Estimates,
-    MaskVal,
-    NoUncertainty,
-    UncertaintyMethod,
-    maskval_uncertainty,
-)
+from maskval.uncertainty import MaskVal, Uncertainties, maskval_uncertainty, uncertainty
 
 __all__ = [
+    "UNMATCHED",
     "Camera",
     "EnsembleAdd",
+    "EnsembleMdd",
+    "EnsembleRotation",
+    "EnsembleTranslation",
     "Estimates",
     "InvalidCameraError",
     "InvalidEstimatesError",
@@ -40,9 +40,11 @@ __all__ = [
     "PackedMasks",
     "Pose",
     "Silhouette",
+    "Uncertainties",
     "UncertaintyMethod",
     "add",
     "angle_between",
+    "associate",
     "bootstrap_mean_interval",
     "mask_from_rle",
     "mask_iou",
@@ -52,4 +54,5 @@ __all__ = [
     "rle_counts",
     "silhouette",
     "silhouette_iou",
+    "uncertainty",
 ]

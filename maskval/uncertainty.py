@@ -1,100 +1,36 @@
-"""How uncertain an estimated pose is: the protocol, the paper's two methods, and the method that never doubts."""
+"""MaskVal: how uncertain a pose is, judged by the overlap of its silhouette with the mask it should project to."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import ClassVar, Protocol
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from maskval.association import UNMATCHED, Rule, associate
 from maskval.camera import Camera
-from maskval.errors import InvalidEstimatesError
+from maskval.ensemble import EnsembleAdd
+from maskval.errors import InvalidEstimatesError, InvalidMaskError
+from maskval.estimates import Estimates, NoUncertainty, UncertaintyMethod
 from maskval.geometry import Pose
+from maskval.masks import PackedMasks
 from maskval.mesh import Mesh
-from maskval.pose_error import add
 from maskval.silhouette import silhouette_iou
+from maskval.views import Canvas
+
+__all__ = [
+    "EnsembleAdd",
+    "Estimates",
+    "MaskVal",
+    "NoUncertainty",
+    "Uncertainties",
+    "UncertaintyMethod",
+    "maskval_uncertainty",
+    "uncertainty",
+]
 
 # The paper's sensitivity towards the visibility.
 ALPHA = 0.8
-# The paper's upper end of the ADD disagreement, "5 cm to exclude high outliers".
-ENSEMBLE_MAXIMUM_M = 0.05
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Estimates:
-    """N detections of one kind of part in one image, and what one or more pose estimators make of them.
-
-    Args:
-        camera: Intrinsics and image size.
-        mesh: The part.
-        masks: The detector's masks, (N, H, W), bool.
-        poses: poses[e][i] is estimator e's pose X_CO of detection i, made from mask i; estimator 0 is the one used.
-        scores: The detector's confidences, (N,).
-        pixel_center: Where pixel i of the masks is sampled, u = i + pixel_center.
-
-    Raises:
-        InvalidEstimatesError: If masks, poses and scores are not equally many, the masks are not of the image's
-            size or not bool, or there is no estimator.
-    """
-
-    camera: Camera
-    mesh: Mesh
-    masks: NDArray[np.bool_]
-    poses: tuple[tuple[Pose, ...], ...]
-    scores: NDArray[np.float64]
-    pixel_center: float = 0.0
-
-    def __post_init__(self) -> None:
-        masks, scores = np.array(self.masks), np.array(self.scores, dtype=np.float64)
-        size = (self.camera.height, self.camera.width)
-        if masks.dtype != np.bool_ or masks.ndim != 3 or masks.shape[1:] != size:
-            raise InvalidEstimatesError(
-                f"masks must be bool of shape (N, {size[0]}, {size[1]}), but are {masks.dtype} of {masks.shape}"
-            )
-        if not self.poses:
-            raise InvalidEstimatesError("poses must hold those of at least one estimator, but hold none")
-        for e, poses in enumerate(self.poses):
-            if len(poses) != len(masks):
-                raise InvalidEstimatesError(
-                    f"every estimator must give a pose for each of {len(masks)} masks, but estimator {e} "
-                    f"gives {len(poses)}"
-                )
-        if scores.shape != (len(masks),) or not np.isfinite(scores).all():
-            raise InvalidEstimatesError(f"scores must be finite and of shape ({len(masks)},), but are {scores}")
-        for name, array in (("masks", masks), ("scores", scores)):
-            array.setflags(write=False)
-            object.__setattr__(self, name, array)
-        object.__setattr__(self, "poses", tuple(tuple(poses) for poses in self.poses))
-
-    def __len__(self) -> int:
-        return len(self.masks)
-
-
-class UncertaintyMethod(Protocol):
-    """An uncertainty quantification: anything that gives every estimated pose a number that is low for a good one."""
-
-    @property
-    def estimators(self) -> int:
-        """How many pose estimators it needs."""
-        ...
-
-    def __call__(self, estimates: Estimates) -> NDArray[np.float64]:
-        """The uncertainty u of each pose of estimator 0, (N,), in [0, 1]; low is good.
-
-        Args:
-            estimates: Detections and the poses of at least `estimators` estimators.
-        """
-        ...
-
-
-@dataclass(frozen=True, slots=True)
-class NoUncertainty:
-    """The method that trusts every pose: u = 0."""
-
-    estimators: ClassVar[int] = 1
-
-    def __call__(self, estimates: Estimates) -> NDArray[np.float64]:
-        """Zero for each pose, (N,)."""
-        return np.zeros(len(estimates))
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,39 +60,70 @@ class MaskVal:
         return maskval_uncertainty(iou, visibility, self.alpha)
 
 
-@dataclass(frozen=True, slots=True)
-class EnsembleAdd:
-    """The peer method of the paper: how far the poses of two estimators are apart (ADD), scaled to [0, 1].
+@dataclass(frozen=True, slots=True, eq=False)
+class Uncertainties:
+    """What MaskVal says of N poses.
 
     Args:
-        minimum_m: Disagreement of u = 0, metres, >= 0; the paper takes the least of its test set.
-        maximum_m: Disagreement of u = 1, metres, above the minimum.
+        masks: Index of the mask that each pose was matched to, (N,), or `UNMATCHED`.
+        c: Certainty, the intersection over union with that mask, (N,), in [0, 1]; 0 without one.
+        v: Visibility, the share of the silhouette inside the image, (N,), in [0, 1].
+        u: Uncertainty, (N,), in [0, 1]; low is good.
     """
 
-    minimum_m: float
-    maximum_m: float = ENSEMBLE_MAXIMUM_M
-    estimators: ClassVar[int] = 2
+    masks: NDArray[np.int64]
+    c: NDArray[np.float64]
+    v: NDArray[np.float64]
+    u: NDArray[np.float64]
 
     def __post_init__(self) -> None:
-        if not 0 <= self.minimum_m < self.maximum_m < np.inf:
-            raise InvalidEstimatesError(
-                f"the disagreements must be 0 <= minimum_m < maximum_m, but are {self.minimum_m} and {self.maximum_m}"
-            )
+        for array in (self.masks, self.c, self.v, self.u):
+            array.setflags(write=False)
 
-    def __call__(self, estimates: Estimates) -> NDArray[np.float64]:
-        """`clip((ADD - minimum) / (maximum - minimum), 0, 1)` of each detection, (N,).
 
-        Raises:
-            InvalidEstimatesError: If there is one estimator only.
-        """
-        if len(estimates.poses) < self.estimators:
-            raise InvalidEstimatesError(
-                f"EnsembleAdd needs 2 estimators, but the estimates hold {len(estimates.poses)}"
-            )
-        used, other = estimates.poses[:2]
-        points_O = estimates.mesh.vertices
-        distances = np.array([add(X1, X2, points_O) for X1, X2 in zip(used, other, strict=True)])
-        return np.clip((distances - self.minimum_m) / (self.maximum_m - self.minimum_m), 0.0, 1.0)
+def uncertainty(
+    mesh: Mesh,
+    poses: Sequence[Pose],
+    masks: NDArray[Any] | PackedMasks,
+    camera: Camera,
+    *,
+    association: Literal["known"] | Rule = "known",
+    alpha: float = ALPHA,
+    pixel_center: float = 0.0,
+    canvas: Canvas = "full",
+) -> Uncertainties:
+    """The paper's uncertainty of each of N poses of one object, given K masks.
+
+    Args:
+        mesh: The object.
+        poses: N poses X_CO.
+        masks: K masks, (K, H, W), bool or uint8 of 0 and 1, or packed.
+        camera: Intrinsics and image size.
+        association: "known" when pose i comes from mask i (two-stage estimators), else the matching J: "greedy",
+            the paper's example, or "optimal" (Hungarian).
+        alpha: Visibility below which the certainty is lowered by the visibility, in [0, 1].
+        pixel_center: Where pixel i of the masks is sampled, u = i + pixel_center: 0 for OpenCV, 0.5 for OpenGL and BOP.
+        canvas: Where the whole silhouette is counted for the visibility: "full", or "3x3" images, as BOP does.
+
+    Raises:
+        InvalidMaskError: If the masks are not binary, of another size than the image, or not as many as the poses
+            although their association is known.
+    """
+    packed = masks if isinstance(masks, PackedMasks) else PackedMasks.pack(masks)
+    known = association == "known"
+    if known and len(packed) != len(poses):
+        raise InvalidMaskError(
+            f"{len(poses)} poses and {len(packed)} masks have no known association: pass association='greedy'"
+        )
+    iou, v = silhouette_iou(mesh, poses, packed, camera, paired=known, pixel_center=pixel_center, canvas=canvas)
+    if association == "known":
+        matched, c = np.arange(len(poses)), iou
+    else:
+        matched = associate(iou, association)
+        c = np.zeros(len(poses))
+        found = np.flatnonzero(matched != UNMATCHED)
+        c[found] = iou[found, matched[found]]
+    return Uncertainties(matched, c, v, maskval_uncertainty(c, v, alpha))
 
 
 def maskval_uncertainty(iou: ArrayLike, visibility: ArrayLike, alpha: float = ALPHA) -> NDArray[np.float64]:

@@ -2,14 +2,21 @@ import numpy as np
 import pytest
 
 from maskval import (
+    UNMATCHED,
     EnsembleAdd,
+    EnsembleMdd,
+    EnsembleRotation,
+    EnsembleTranslation,
     Estimates,
     InvalidEstimatesError,
+    InvalidMaskError,
     MaskVal,
     NoUncertainty,
     Pose,
+    associate,
     maskval_uncertainty,
     silhouette,
+    uncertainty,
 )
 from tests.maskval import shapes
 from tests.maskval.shapes import VGA
@@ -77,6 +84,78 @@ def test_ensemble_add_scales_the_disagreement_and_clips_it(shift_m, u) -> None:
     np.testing.assert_allclose(found, [u, 0.0], rtol=0, atol=1e-12)
 
 
+def test_ensembles_scale_their_own_disagreement() -> None:
+    # The sheet's corners are 0.05 √2 m from its centre, where a turn by θ moves them by 2 r sin(θ / 2).
+    turned = AHEAD @ Pose.from_rotvec((0, 0, 0.3))
+    moved = Pose.from_translation((0.03, 0, 0.04)) @ AHEAD
+    made = estimates((AHEAD, AHEAD), (turned, moved))
+    radius = 0.05 * np.sqrt(2)
+    for method, expected in (
+        (EnsembleAdd(0.0, 0.1), [2 * radius * np.sin(0.15) / 0.1, 0.05 / 0.1]),
+        (EnsembleMdd(0.0, 0.1), [2 * radius * np.sin(0.15) / 0.1, 0.05 / 0.1]),
+        (EnsembleTranslation(0.0, 0.1), [0, 0.05 / 0.1]),
+        (EnsembleRotation(0.1, 0.5), [(0.3 - 0.1) / (0.5 - 0.1), 0]),
+    ):
+        np.testing.assert_allclose(method(made), expected, rtol=0, atol=1e-12)
+
+
+IOU = np.array([[0.7, 0.8, 0.0], [0.0, 0.7, 0.0], [0.1, 0.75, 0.0]])
+
+
+def test_greedy_takes_the_best_pair_left_and_optimal_the_best_sum() -> None:
+    # Greedy: 0-1, then 2-0; optimal: 0-0 and 2-1 with 1.45. Neither matches what does not overlap.
+    assert associate(IOU, "greedy").tolist() == [1, UNMATCHED, 0]
+    assert associate(IOU, "optimal").tolist() == [0, UNMATCHED, 1]
+
+
+@pytest.mark.parametrize("rule", ["greedy", "optimal"])
+@pytest.mark.parametrize("shape", [(0, 0), (0, 2), (2, 0), (2, 3), (3, 2)])
+def test_association_gives_each_pose_a_mask_while_there_are_any(rule, shape) -> None:
+    iou = np.random.default_rng(0).uniform(0.1, 1, size=shape)
+    matched = associate(iou, rule)
+    assert matched.shape == (shape[0],)
+    found = matched[matched != UNMATCHED]
+    assert len(set(found.tolist())) == len(found) == min(shape)
+
+
+def test_greedy_prefers_the_first_of_equals() -> None:
+    assert associate(np.full((2, 2), 0.5), "greedy").tolist() == [0, 1]
+
+
+@pytest.mark.parametrize("rule", ["greedy", "optimal"])
+def test_uncertainty_says_which_mask_each_pose_was_matched_to(rule) -> None:
+    poses = (AHEAD, AT_BORDER, Pose.from_translation((0, 0.2, 0.6)))
+    masks = np.zeros((2, 480, 640), dtype=bool)
+    masks[0, 190:290, 0:70] = True
+    masks[1, 190:290, 290:390] = True
+    found = uncertainty(shapes.square(), poses, masks, VGA, association=rule)
+    assert found.masks.tolist() == [1, 0, UNMATCHED]
+    np.testing.assert_allclose(found.c, [80 / 120, 50 / 70, 0], rtol=0, atol=1e-15)
+    # The third square ends at v = 490: 10 of its 100 rows are outside.
+    np.testing.assert_allclose(found.v, [1, 50 / 100, 90 / 100], rtol=0, atol=1e-15)
+    np.testing.assert_allclose(found.u, [1 - 80 / 120, 1 - (50 / 70) * 0.5, 1], rtol=0, atol=1e-15)
+
+
+def test_uncertainty_of_known_pairs_is_that_of_maskval() -> None:
+    masks = np.zeros((2, 480, 640), dtype=bool)
+    masks[0, 190:290, 290:390] = True
+    masks[1, 190:290, 0:70] = True
+    found = uncertainty(shapes.square(), (AHEAD, AT_BORDER), masks, VGA)
+    assert found.masks.tolist() == [0, 1]
+    np.testing.assert_array_equal(found.u, MaskVal()(estimates((AHEAD, AT_BORDER), masks=masks)))
+
+
+def test_uncertainty_of_no_poses_is_empty() -> None:
+    for rule in ("known", "greedy", "optimal"):
+        found = uncertainty(shapes.square(), (), np.zeros((0, 480, 640), dtype=bool), VGA, association=rule)
+        assert [a.shape for a in (found.masks, found.c, found.v, found.u)] == [(0,)] * 4
+
+
+def test_poses_and_masks_of_other_numbers_have_no_known_association() -> None:
+    with pytest.raises(InvalidMaskError, match=r"1 poses and 0 masks .* pass association='greedy'"):
+        uncertainty(shapes.square(), (AHEAD,), np.zeros((0, 480, 640), dtype=bool), VGA)
+
+
 def test_no_uncertainty_trusts_every_pose() -> None:
     assert NoUncertainty()(estimates((AHEAD, AHEAD))).tolist() == [0.0, 0.0]
 
@@ -108,9 +187,13 @@ MASK = np.zeros((1, 480, 640), dtype=bool)
         (lambda: Estimates(VGA, shapes.square(), MASK, ((AHEAD,),), np.ones(2)), r"finite and of shape \(1,\)"),
         (lambda: Estimates(VGA, shapes.square(), MASK, ((AHEAD,),), np.array([np.nan])), "finite and of shape"),
         (lambda: MaskVal(alpha=1.1), r"alpha must be in \[0, 1\], but is 1.1"),
-        (lambda: EnsembleAdd(0.05), "0 <= minimum_m < maximum_m, but are 0.05 and 0.05"),
-        (lambda: EnsembleAdd(-0.01), "0 <= minimum_m < maximum_m, but are -0.01"),
-        (lambda: EnsembleAdd(0.0)(estimates((AHEAD,))), "needs 2 estimators, but the estimates hold 1"),
+        (lambda: EnsembleAdd(0.05), "0 <= minimum < maximum, but are 0.05 and 0.05"),
+        (lambda: EnsembleAdd(-0.01), "0 <= minimum < maximum, but are -0.01"),
+        (lambda: EnsembleAdd(0.0)(estimates((AHEAD,))), "an ensemble needs 2 estimators, but the estimates hold 1"),
+        (lambda: EnsembleRotation(1.0, 0.5), "0 <= minimum < maximum, but are 1.0 and 0.5"),
+        (lambda: associate(IOU[0], "greedy"), r"shape \(N, K\)"),
+        (lambda: associate(2 * IOU, "greedy"), r"values in \[0, 1\]"),
+        (lambda: associate(IOU, "best"), "'known', 'greedy' or 'optimal', but is 'best'"),
         (lambda: maskval_uncertainty(1.2, 1.0), r"iou must be in \[0, 1\], but is 1.2"),
         (lambda: maskval_uncertainty(0.5, np.nan), r"visibility must be in \[0, 1\], but is nan"),
     ],
