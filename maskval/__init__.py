@@ -16,8 +16,9 @@ from maskval.geometry import Pose, angle_between
 from maskval.intervals import bootstrap_mean_interval, proportion_interval
 from maskval.masks import PackedMasks, mask_from_rle, mask_iou, rle_counts
 from maskval.mesh import Mesh
-from maskval.pose_error import add, mdd
+from maskval.pose_error import add, add_s, mdd, mspd, mssd, rotation_error, translation_error
 from maskval.silhouette import Silhouette, silhouette, silhouette_iou
+from maskval.symmetry import SymmetryAxis, symmetry_poses
 from maskval.uncertainty import MaskVal, Uncertainties, maskval_uncertainty, uncertainty
 
 __all__ = [
@@ -40,9 +41,11 @@ __all__ = [
     "PackedMasks",
     "Pose",
     "Silhouette",
+    "SymmetryAxis",
     "Uncertainties",
     "UncertaintyMethod",
     "add",
+    "add_s",
     "angle_between",
     "associate",
     "bootstrap_mean_interval",
@@ -50,9 +53,14 @@ __all__ = [
     "mask_iou",
     "maskval_uncertainty",
     "mdd",
+    "mspd",
+    "mssd",
     "proportion_interval",
     "rle_counts",
+    "rotation_error",
     "silhouette",
     "silhouette_iou",
+    "symmetry_poses",
+    "translation_error",
     "uncertainty",
 ]

@@ -1,0 +1,66 @@
+"""Poses that an object looks alike in: discrete symmetries and turns about an axis, as BOP lists them."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from maskval.errors import InvalidPoseError
+from maskval.geometry import Pose
+
+# BOP's evaluation turns an object so that its farthest vertex moves by at most 1 % of the diameter per step.
+MAXIMUM_STEP = 0.01
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SymmetryAxis:
+    """An axis about which every turn leaves the object as it looks.
+
+    Args:
+        axis_O: Direction, (3,), not zero; it is normalised.
+        offset_O: A point on the axis, (3,), metres.
+    """
+
+    axis_O: NDArray[np.float64]
+    offset_O: NDArray[np.float64]
+
+    def __post_init__(self) -> None:
+        for name in ("axis_O", "offset_O"):
+            vector = np.array(getattr(self, name), dtype=np.float64)
+            if vector.shape != (3,) or not np.isfinite(vector).all():
+                raise InvalidPoseError(f"{name} must be three finite numbers, but is {vector}")
+            if name == "axis_O":
+                length = float(np.linalg.norm(vector))
+                if length == 0:
+                    raise InvalidPoseError("axis_O must have a direction, but is zero")
+                vector /= length
+            vector.setflags(write=False)
+            object.__setattr__(self, name, vector)
+
+    def turn(self, angle: float) -> Pose:
+        """The pose of the object turned about the axis, in its own frame.
+
+        Args:
+            angle: Radians.
+        """
+        turn = Pose.from_rotvec(angle * self.axis_O)
+        return Pose(turn.rotation, self.offset_O - turn.rotation @ self.offset_O)
+
+
+def symmetry_poses(
+    discrete: Sequence[Pose] = (), axes: Sequence[SymmetryAxis] = (), *, maximum_step: float = MAXIMUM_STEP
+) -> tuple[Pose, ...]:
+    """BOP's set of poses that an object looks alike in, in its own frame; the identity is the first.
+
+    Args:
+        discrete: The discrete symmetries without the identity.
+        axes: The axes of continuous symmetry, each sampled in ceil(π / maximum_step) turns.
+        maximum_step: Greatest way of the farthest vertex in one turn, as a share of the diameter, in (0, π].
+    """
+    if not 0 < maximum_step <= math.pi:
+        raise InvalidPoseError(f"maximum_step must be in (0, π], but is {maximum_step}")
+    steps = math.ceil(math.pi / maximum_step)
+    turns = [axis.turn(2 * math.pi * i / steps) for axis in axes for i in range(steps)] or [Pose.identity()]
+    return tuple(turn @ fixed for fixed in (Pose.identity(), *discrete) for turn in turns)
