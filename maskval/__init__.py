@@ -6,31 +6,41 @@ from maskval.ensemble import EnsembleAdd, EnsembleMdd, EnsembleRotation, Ensembl
 from maskval.errors import (
     InvalidCameraError,
     InvalidEstimatesError,
+    InvalidEvaluationError,
     InvalidMaskError,
     InvalidMeshError,
     InvalidPoseError,
     MaskvalError,
 )
 from maskval.estimates import Estimates, NoUncertainty, UncertaintyMethod
+from maskval.evaluation import NO_PART, Counting, Evaluation
 from maskval.geometry import Pose, angle_between
 from maskval.intervals import bootstrap_mean_interval, proportion_interval
 from maskval.masks import PackedMasks, mask_from_rle, mask_iou, rle_counts
 from maskval.mesh import Mesh
+from maskval.metrics import RecallCurve, rates, recall_curve
 from maskval.pose_error import add, add_s, mdd, mspd, mssd, rotation_error, translation_error
+from maskval.ranking import aurc, auroc, bootstrap_interval, spearman
 from maskval.silhouette import Silhouette, silhouette, silhouette_iou
 from maskval.symmetry import SymmetryAxis, symmetry_poses
+from maskval.thresholds import Certificate, certified_threshold, conformal_threshold, paper_threshold
 from maskval.uncertainty import MaskVal, Uncertainties, maskval_uncertainty, uncertainty
 
 __all__ = [
+    "NO_PART",
     "UNMATCHED",
     "Camera",
+    "Certificate",
+    "Counting",
     "EnsembleAdd",
     "EnsembleMdd",
     "EnsembleRotation",
     "EnsembleTranslation",
     "Estimates",
+    "Evaluation",
     "InvalidCameraError",
     "InvalidEstimatesError",
+    "InvalidEvaluationError",
     "InvalidMaskError",
     "InvalidMeshError",
     "InvalidPoseError",
@@ -40,6 +50,7 @@ __all__ = [
     "NoUncertainty",
     "PackedMasks",
     "Pose",
+    "RecallCurve",
     "Silhouette",
     "SymmetryAxis",
     "Uncertainties",
@@ -48,18 +59,27 @@ __all__ = [
     "add_s",
     "angle_between",
     "associate",
+    "aurc",
+    "auroc",
+    "bootstrap_interval",
     "bootstrap_mean_interval",
+    "certified_threshold",
+    "conformal_threshold",
     "mask_from_rle",
     "mask_iou",
     "maskval_uncertainty",
     "mdd",
     "mspd",
     "mssd",
+    "paper_threshold",
     "proportion_interval",
+    "rates",
+    "recall_curve",
     "rle_counts",
     "rotation_error",
     "silhouette",
     "silhouette_iou",
+    "spearman",
     "symmetry_poses",
     "translation_error",
     "uncertainty",

@@ -23,3 +23,7 @@ class InvalidMaskError(MaskvalError, ValueError):
 
 class InvalidEstimatesError(MaskvalError, ValueError):
     """Detections whose masks, poses and scores do not belong together, or a parameter out of its range."""
+
+
+class InvalidEvaluationError(MaskvalError, ValueError):
+    """Errors, uncertainties and parts that do not belong together, or a metric's parameter out of its range."""

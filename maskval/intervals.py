@@ -2,7 +2,7 @@
 
 import numpy as np
 import scipy
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 
 def proportion_interval(successes: int, trials: int, level: float = 0.95) -> tuple[float, float] | None:
@@ -41,13 +41,20 @@ def bootstrap_mean_interval(
     _check_level(level)
     if len(sample) == 0:
         return None
-    means = [sample[rng.integers(len(sample), size=len(sample))].mean() for _ in range(resamples)]
-    low, high = _percentiles(np.array(means), level)
-    return low, high
+    return percentile_interval(
+        [sample[rng.integers(len(sample), size=len(sample))].mean() for _ in range(resamples)], level
+    )
 
 
-def _percentiles(statistics: NDArray[np.float64], level: float) -> tuple[float, float]:
-    low, high = np.quantile(statistics, ((1 - level) / 2, (1 + level) / 2))
+def percentile_interval(statistics: ArrayLike, level: float = 0.95) -> tuple[float, float]:
+    """The middle share of bootstrap statistics, as its two ends.
+
+    Args:
+        statistics: The statistic of each bootstrap sample, (R,), R >= 1.
+        level: Share that lies between the ends, in (0, 1).
+    """
+    _check_level(level)
+    low, high = np.quantile(np.asarray(statistics, dtype=np.float64), ((1 - level) / 2, (1 + level) / 2))
     return float(low), float(high)
 
 
