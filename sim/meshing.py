@@ -83,7 +83,21 @@ def join(curves: Curves) -> trimesh.Trimesh:
 
 
 def convex_pieces(curves: Curves) -> tuple[trimesh.Trimesh, ...]:
-    """The convex hull of every pair of neighbouring curves: together they fill the joined surface."""
-    return tuple(
-        trimesh.convex.convex_hull(np.vstack([low, high])) for low, high in zip(curves[:-1], curves[1:], strict=True)
-    )
+    """Convex hulls of runs of neighbouring curves that together fill the joined surface.
+
+    A run grows as long as its hull is hardly larger than the hulls of its neighbouring pairs: fewer pieces, and no thin
+    ones, on whose doubled edges a resting part trembles.
+    """
+    pairs = [_hull(curves[level : level + 2]).volume for level in range(len(curves) - 1)]
+    pieces, first = [], 0
+    while first < len(pairs):
+        last = first + 1
+        while last < len(pairs) and _hull(curves[first : last + 2]).volume < 1.005 * sum(pairs[first : last + 1]):
+            last += 1
+        pieces.append(_hull(curves[first : last + 1]))
+        first = last
+    return tuple(pieces)
+
+
+def _hull(curves: Curves) -> trimesh.Trimesh:
+    return trimesh.convex.convex_hull(curves.reshape(-1, 3))

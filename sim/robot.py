@@ -15,7 +15,7 @@ from cell.ur10 import JOINT_LIMIT, TORQUE_LIMITS
 from maskval import Camera, Pose
 from sim.shells import Shell, arm_shells, mesh_shells
 
-JOINTS = ("shoulder_pan", "shoulder_lift", "elbow", "wrist_1", "wrist_2", "wrist_3")
+JOINTS = ("shoulder", "upper_arm", "forearm", "wrist_1", "wrist_2", "wrist_3")  # each named as the link that it moves
 FINGERS = ("finger_left", "finger_right")
 
 _QUARTER_Y = (np.sqrt(0.5), 0.0, np.sqrt(0.5), 0.0)
@@ -47,14 +47,14 @@ _LINKS = (
 
 # Critically damped for the reflected inertia, k_v = 2 √(k_p I); the setpoint's speed is fed forward, which a plain
 # position servo lacks (it lags by k_v/k_p: 60 mm at full speed).
-_SERVO_KP = np.array([20000.0, 20000.0, 12000.0, 3000.0, 3000.0, 3000.0])
-_SERVO_KV = np.array([693.0, 693.0, 346.0, 55.0, 55.0, 49.0])
+_SERVO_KP = np.array([80000.0, 80000.0, 48000.0, 12000.0, 12000.0, 12000.0])
+_SERVO_KV = np.array([1386.0, 1386.0, 692.0, 110.0, 110.0, 98.0])
 _CONTROL_POSITION_AND_VELOCITY = 3  # mjINPUT_POS | mjINPUT_VEL
 
 _JAW_KP = 8000.0  # N/m
 _JAW_KV = 250.0  # N s/m
 # A stiff, steep contact without creep: with MuJoCo's default (0.02 s) a held part slides out of the jaws.
-GRIP_SOLREF = (0.004, 1.0)
+GRIP_SOLREF = (0.002, 1.0)
 GRIP_SOLIMP = (0.95, 0.99, 0.001, 0.5, 2.0)
 PAD_FRICTION = (1.0, 0.02, 0.002)
 

@@ -16,6 +16,7 @@ from sim.parts import PartModel
 from sim.robot import FINGERS, JOINTS
 from sim.scene import SURFACE_VELOCITY_Y, build_scene, container_presses, part_body, robot_touches
 
+STEPS_PER_COMMAND = 2  # physics steps per period of the robot's controller
 SETTLE_TIME = 1.0  # s of physics before an experiment begins
 Q_NEAR_BELT = np.radians([0.0, -100.0, 100.0, -90.0, -90.0, 0.0])  # which turn of base and wrist 3 to begin with
 
@@ -81,7 +82,8 @@ class World:
             self.data.qpos[address + 3 : address + 7] = pose.quaternion_wxyz
         self.command_arm(self.q_home, np.zeros(6))
         self.command_jaws(self.layout.gripper.max_half_opening)
-        self.advance(round(SETTLE_TIME / self.time_step))
+        mujoco.mj_step(self.model, self.data, round(SETTLE_TIME / self.model.opt.timestep))
+        self.check()
         self.data.time = 0.0
 
     @property
@@ -91,8 +93,8 @@ class World:
 
     @property
     def time_step(self) -> float:
-        """Seconds per step of physics."""
-        return float(self.model.opt.timestep)
+        """Period of the robot's controller, s."""
+        return float(self.model.opt.timestep) * STEPS_PER_COMMAND
 
     @property
     def q(self) -> Array:
@@ -124,13 +126,8 @@ class World:
                 self.data.qvel[self.model.body_dofadr[body] + SURFACE_VELOCITY_Y] += nudge
 
     def step(self) -> None:
-        """One time step."""
-        mujoco.mj_step(self.model, self.data)
-
-    def advance(self, steps: int) -> None:
-        """Many time steps, then a check."""
-        mujoco.mj_step(self.model, self.data, steps)
-        self.check()
+        """One period of the robot's controller."""
+        mujoco.mj_step(self.model, self.data, STEPS_PER_COMMAND)
 
     def check(self) -> None:
         """Asks whether the physics is still finite.

@@ -1,0 +1,193 @@
+"""The error models' parameters: one commented TOML file per part, checked on the way in.
+
+What each parameter means, its unit and its source stand in the files, `sim/assets/noise/*.toml`; how it acts stands
+in `sim.pose_noise` and `sim.mask_noise`. The records have the files' sections and keys, one to one.
+"""
+
+import math
+import tomllib
+from dataclasses import dataclass, field, fields
+from importlib.resources import files
+from pathlib import Path
+from typing import Any, TypeVar
+
+from sim.errors import NoiseFileError
+
+_NOISE_FOLDER = files("sim") / "assets" / "noise"
+_LARGEST = 1e3  # what has no natural upper end is still no larger than this
+T = TypeVar("T")
+
+
+def _number(low: float, high: float) -> Any:
+    """A field that must be a number in [low, high]; it has no default: the file says every value."""
+    return field(metadata={"low": low, "high": high})
+
+
+@dataclass(frozen=True, slots=True)
+class ViewNoise:
+    """How fast errors change from view to view."""
+
+    direction_length_deg: float = _number(0.1, _LARGEST)
+    distance_length: float = _number(0.01, _LARGEST)
+    camera_length_mm: float = _number(1.0, 1e6)
+
+    def __post_init__(self) -> None:
+        _check(self)
+
+
+@dataclass(frozen=True, slots=True)
+class PoseNoise:
+    """Errors of the pose estimators S1 (number 0) and S2 (number 1)."""
+
+    reference_distance_mm: float = _number(1.0, 1e5)
+    lateral_mm: float = _number(0.0, _LARGEST)
+    depth_ratio: float = _number(0.0, 100.0)
+    rotation_deg: float = _number(0.0, 180.0)
+    in_plane_ratio: float = _number(0.0, 100.0)
+    difficulty_gain: float = _number(0.0, 10.0)
+    hidden_gain: float = _number(0.0, 10.0)
+    outlier_probability: float = _number(0.0, 0.999)
+    outlier_difficulty_gain: float = _number(0.0, 10.0)
+    outlier_hidden_gain: float = _number(0.0, 100.0)
+    flip_share: float = _number(0.0, 1.0)
+    gross_rotation_deg: float = _number(0.0, 180.0)
+    gross_depth_mm: float = _number(0.0, _LARGEST)
+    gross_lateral_mm: float = _number(0.0, _LARGEST)
+    second_scale: float = _number(0.0, 100.0)
+    second_outlier_odds_ratio: float = _number(0.0, _LARGEST)
+    second_difficulty_correlation: float = _number(-1.0, 1.0)
+    second_core_correlation: float = _number(-1.0, 1.0)
+    second_outlier_correlation: float = _number(-1.0, 1.0)
+    second_same_content_share: float = _number(0.0, 1.0)
+    flip_axis: tuple[float, float, float] = (0.0, 0.0, 1.0)
+
+    def __post_init__(self) -> None:
+        _check(self)
+        axis = self.flip_axis
+        if len(axis) != 3 or not all(_is_number(x) for x in axis) or not math.isclose(math.hypot(*axis), 1.0):
+            raise NoiseFileError(f"flip_axis: expected three numbers of norm 1, came {list(axis)}")
+
+
+@dataclass(frozen=True, slots=True)
+class MaskNoise:
+    """Errors of the instance segmentation."""
+
+    difficulty_correlation: float = _number(-1.0, 1.0)
+    difficulty_gain: float = _number(0.0, 10.0)
+    field_cells: float = _number(0.0, 14.0)
+    bias_cells: float = _number(-14.0, 14.0)
+    box_share: float = _number(0.0, 0.5)
+    leak_cells: float = _number(0.0, 14.0)
+    drop_probability: float = _number(0.0, 1.0)
+    drop_share_min: float = _number(0.0, 1.0)
+    drop_share_max: float = _number(0.0, 1.0)
+    miss_probability: float = _number(0.0, 1.0)
+    miss_visibility: float = _number(0.0, 1.0)
+    score_sd: float = _number(0.0, 1.0)
+    false_alarms_per_image: float = _number(0.0, 1.0)
+    false_alarm_radius_px: float = _number(1.0, 1e4)
+    false_alarm_score: float = _number(0.0, 1.0)
+
+    def __post_init__(self) -> None:
+        _check(self)
+        low, high = self.drop_share_min, self.drop_share_max
+        if low > high:
+            raise NoiseFileError(f"drop_share_min: expected at most drop_share_max = {high:g}, came {low:g}")
+
+
+@dataclass(frozen=True, slots=True)
+class Timing:
+    """What the networks cost of the cell's clock, s per frame."""
+
+    detector_s: float = _number(0.0, 60.0)
+    pose_s: float = _number(0.0, 60.0)
+
+    def __post_init__(self) -> None:
+        _check(self)
+
+
+@dataclass(frozen=True, slots=True)
+class PartNoise:
+    """The error model of one kind of part."""
+
+    view: ViewNoise
+    pose: PoseNoise
+    mask: MaskNoise
+    timing: Timing
+
+
+def noise_names() -> list[str]:
+    """Names of the error models that come with the package."""
+    return sorted(Path(entry.name).stem for entry in _NOISE_FOLDER.iterdir() if entry.name.endswith(".toml"))
+
+
+def load_noise(name_or_file: str) -> PartNoise:
+    """The error model of this name, or of this TOML file.
+
+    Raises:
+        NoiseFileError: no such model, or a key of its file is unknown, missing, of a wrong type or out of range.
+    """
+    if name_or_file.endswith(".toml"):
+        path = Path(name_or_file)
+        if not path.is_file():
+            raise NoiseFileError(f"noise file {name_or_file} does not exist")
+        return read_noise(path.read_text(encoding="utf-8"), name_or_file)
+    if name_or_file not in noise_names():
+        raise NoiseFileError(
+            f"unknown noise {name_or_file!r}: expected one of {', '.join(noise_names())}, or the path of a .toml file"
+        )
+    return read_noise((_NOISE_FOLDER / f"{name_or_file}.toml").read_text(encoding="utf-8"), name_or_file)
+
+
+def read_noise(text: str, source: str) -> PartNoise:
+    """The error model that a TOML text holds; `source` names it in messages.
+
+    Raises:
+        NoiseFileError: see `load_noise`.
+    """
+    try:
+        table = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise NoiseFileError(f"{source}: no TOML: {error}") from error
+    sections = {"view": ViewNoise, "pose": PoseNoise, "mask": MaskNoise, "timing": Timing}
+    _check_keys(table, set(sections), source, "section")
+    return PartNoise(
+        view=_section(ViewNoise, table, "view", source),
+        pose=_section(PoseNoise, table, "pose", source),
+        mask=_section(MaskNoise, table, "mask", source),
+        timing=_section(Timing, table, "timing", source),
+    )
+
+
+def _section(record: type[T], table: dict[str, Any], section: str, source: str) -> T:
+    rows = table[section]
+    if not isinstance(rows, dict):
+        raise NoiseFileError(f"{source}: {section}: expected a section, came {rows!r}")
+    _check_keys(rows, {entry.name for entry in fields(record)}, source, f"key of [{section}]")  # type: ignore[arg-type]
+    try:
+        return record(**{key: tuple(value) if isinstance(value, list) else value for key, value in rows.items()})
+    except NoiseFileError as error:
+        raise NoiseFileError(f"{source}: {section}.{error}") from error
+    except TypeError as error:
+        raise NoiseFileError(f"{source}: {section}: {error}") from error
+
+
+def _check_keys(table: dict[str, Any], expected: set[str], source: str, what: str) -> None:
+    for key in sorted(set(table) - expected):
+        raise NoiseFileError(f"{source}: unknown {what} {key!r}: expected {', '.join(sorted(expected))}")
+    for key in sorted(expected - set(table)):
+        raise NoiseFileError(f"{source}: missing {what} {key!r}")
+
+
+def _check(record: Any) -> None:
+    """Refuses a value that is no number or out of its field's range."""
+    for entry in fields(record):
+        if "low" not in entry.metadata:
+            continue
+        value, low, high = getattr(record, entry.name), entry.metadata["low"], entry.metadata["high"]
+        if not _is_number(value) or not low <= value <= high:
+            raise NoiseFileError(f"{entry.name}: expected a number in [{low:g}, {high:g}], came {value!r}")
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
