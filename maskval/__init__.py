@@ -2,6 +2,7 @@
 
 from maskval.association import UNMATCHED, associate
 from maskval.camera import Camera
+from maskval.depth import DepthCrop, depth_crop, depth_image
 from maskval.ensemble import EnsembleAdd, EnsembleMdd, EnsembleRotation, EnsembleTranslation
 from maskval.errors import (
     InvalidCameraError,
@@ -21,10 +22,11 @@ from maskval.mesh import Mesh
 from maskval.metrics import RecallCurve, rates, recall_curve
 from maskval.pose_error import add, add_s, mdd, mspd, mssd, rotation_error, translation_error
 from maskval.ranking import aurc, auroc, bootstrap_interval, spearman
-from maskval.silhouette import Silhouette, silhouette, silhouette_iou
+from maskval.silhouette import Silhouette, silhouette, silhouette_boxes, silhouette_iou
 from maskval.symmetry import SymmetryAxis, symmetry_poses
 from maskval.thresholds import Certificate, certified_threshold, conformal_threshold, paper_threshold
 from maskval.uncertainty import MaskVal, Uncertainties, maskval_uncertainty, uncertainty
+from maskval.vsd import vsd
 
 __all__ = [
     "NO_PART",
@@ -32,6 +34,7 @@ __all__ = [
     "Camera",
     "Certificate",
     "Counting",
+    "DepthCrop",
     "EnsembleAdd",
     "EnsembleMdd",
     "EnsembleRotation",
@@ -65,6 +68,8 @@ __all__ = [
     "bootstrap_mean_interval",
     "certified_threshold",
     "conformal_threshold",
+    "depth_crop",
+    "depth_image",
     "mask_from_rle",
     "mask_iou",
     "maskval_uncertainty",
@@ -78,9 +83,11 @@ __all__ = [
     "rle_counts",
     "rotation_error",
     "silhouette",
+    "silhouette_boxes",
     "silhouette_iou",
     "spearman",
     "symmetry_poses",
     "translation_error",
     "uncertainty",
+    "vsd",
 ]

@@ -34,7 +34,7 @@ def draw(edges: ContourEdges, view: Views, mask: NDArray[np.bool_]) -> int:
     """Sets the pixels of the first view's silhouette in a mask; its area on the canvas."""
     whole = spans(edges, view, 0)
     row, start, stop = _clip(whole, view).T
-    pixel, owner = _steps(start, stop)
+    pixel, owner = steps(start, stop)
     mask[row[owner], pixel] = True
     return _area(whole)
 
@@ -50,7 +50,7 @@ def _lines(edges: ContourEdges, view: Views, n: int) -> tuple[Floats, Floats, In
     tails, heads, windings = edges.tails[chosen], edges.heads[chosen], windings[chosen].astype(np.int64)
     if view.kinds[n] == CLIPPED:
         return _clipped_lines(edges, view, n, (tails, heads, windings), front)
-    ends = _homogeneous(view.projections[n], edges.vertices_M[np.concatenate((tails, heads))])
+    ends = homogeneous(view.projections[n], edges.vertices_M[np.concatenate((tails, heads))])
     pixels = ends[:, :2] * (1.0 / ends[:, 2:])
     return pixels[: len(tails)], pixels[len(tails) :], windings
 
@@ -63,7 +63,7 @@ def _clipped_lines(
     front: NDArray[np.int8],
 ) -> tuple[Floats, Floats, Ints]:
     """The lines of a mesh that the near plane may cut: its contour before the plane, closed by the cuts."""
-    points = _homogeneous(view.projections[n], edges.vertices_M)
+    points = homogeneous(view.projections[n], edges.vertices_M)
     before = points[:, 2] >= view.near
 
     def end(vertices: NDArray[np.uint32], others: NDArray[np.uint32]) -> Floats:
@@ -90,7 +90,8 @@ def _clipped_lines(
     )
 
 
-def _homogeneous(projection: Floats, vertices_M: Floats) -> Floats:
+def homogeneous(projection: Floats, vertices_M: Floats) -> Floats:
+    """Vertices in homogeneous pixels, (V, 3)."""
     # Written out, because a matrix product may fuse or reorder what the other kernel does not.
     x, y, z = vertices_M.T
     return np.stack([row[0] * x + row[1] * y + row[2] * z + row[3] for row in projection], axis=1)
@@ -107,7 +108,7 @@ def _sweep(a: Floats, b: Floats, windings: Ints, canvas: Ints) -> Ints:
     upper, lower, down, windings = upper[crossing], lower[crossing], down[crossing], windings[crossing]
     slope = (lower[:, 0] - upper[:, 0]) / (lower[:, 1] - upper[:, 1])
 
-    row, owner = _steps(first[crossing], last[crossing])
+    row, owner = steps(first[crossing], last[crossing])
     u = upper[owner, 0] + (row - upper[owner, 1]) * slope[owner]
     column = np.ceil(np.clip(u, left, right)).astype(np.int64)
     order = np.argsort(row * (right - left + 1) + column - left)
@@ -118,7 +119,7 @@ def _sweep(a: Floats, b: Floats, windings: Ints, canvas: Ints) -> Ints:
     return np.stack((row[inside], column[inside], column[inside + 1]), axis=1)
 
 
-def _steps(start: Ints, stop: Ints) -> tuple[Ints, Ints]:
+def steps(start: Ints, stop: Ints) -> tuple[Ints, Ints]:
     """All whole numbers of each range [start, stop), one range after the other, and the range that each is of."""
     lengths = stop - start
     owner = np.repeat(np.arange(len(start)), lengths)
@@ -140,7 +141,7 @@ def _area(found: Ints) -> int:
 def _overlaps(found: Ints, words: NDArray[np.uint64]) -> Ints:
     """Pixels of the spans, which lie inside the image, that are also in each packed mask, (K,)."""
     row, start, stop = found.T
-    word, owner = _steps(start >> 6, ((stop - 1) >> 6) + 1)
+    word, owner = steps(start >> 6, ((stop - 1) >> 6) + 1)
     ones = np.uint64(0xFFFFFFFFFFFFFFFF)
     head = np.maximum(start[owner] - 64 * word, 0).astype(np.uint64)
     tail = np.maximum(64 * word + 64 - stop[owner], 0).astype(np.uint64)

@@ -78,7 +78,7 @@ def contour_edges(vertices_O: NDArray[np.float64], faces: NDArray[np.int32]) -> 
 
 
 def _weld(vertices: NDArray[np.float64], faces: NDArray[np.int32]) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
-    """Corners at the same place become one; faces that thereby lose a corner go."""
+    """Corners at the same place become one; faces that thereby lose a corner go, and corners of no face."""
     order = np.lexsort(vertices.T)
     placed = vertices[order]
     new = np.concatenate(([True], (placed[1:] != placed[:-1]).any(axis=1)))
@@ -86,7 +86,8 @@ def _weld(vertices: NDArray[np.float64], faces: NDArray[np.int32]) -> tuple[NDAr
     index_of[order] = np.cumsum(new) - 1
     welded = index_of[faces]
     a, b, c = welded.T
-    return placed[new], np.ascontiguousarray(welded[(a != b) & (b != c) & (c != a)])
+    used, renamed = np.unique(welded[(a != b) & (b != c) & (c != a)], return_inverse=True)
+    return placed[new][used], renamed.reshape(-1, 3).astype(np.int32)
 
 
 def _pair(faces: NDArray[np.int32]) -> Iterator[NDArray[np.uint32]]:

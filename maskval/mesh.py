@@ -5,6 +5,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
 
 from maskval.contour import ContourEdges, contour_edges
@@ -60,6 +61,19 @@ class Mesh:
     def bounds(self) -> NDArray[np.float64]:
         """Least and greatest corner of the axis-aligned box around the vertices, (2, 3), metres."""
         return np.stack((self.vertices.min(axis=0), self.vertices.max(axis=0)))
+
+    @cached_property
+    def is_solid(self) -> bool:
+        """Whether the mesh bounds a volume: closed, all faces outwards, in each of its connected pieces."""
+        count = len(self.edges.faces)
+        one, other = self.edges.lefts.astype(np.int64), self.edges.rights.astype(np.int64)
+        # Each edge has two faces, of which one runs from tail to head and the other back.
+        if ((one < count) == (other < count)).any() or (other == 2 * count).any():
+            return False
+        neighbours = scipy.sparse.coo_array((np.ones(len(one)), (one % count, other % count)), shape=(count, count))
+        _, piece = scipy.sparse.csgraph.connected_components(neighbours, directed=False)
+        a, b, c = np.moveaxis(self.edges.vertices_M[self.edges.faces], 1, 0)
+        return bool((np.bincount(piece, np.einsum("ij,ij->i", a, np.cross(b, c))) > 0).all())
 
     @cached_property
     def diameter(self) -> float:

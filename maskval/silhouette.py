@@ -115,8 +115,45 @@ def silhouette_iou(
     return (iou[:, 0] if paired else iou), seen / np.maximum(whole, 1)
 
 
+def silhouette_boxes(
+    mesh: Mesh,
+    poses: Sequence[Pose],
+    camera: Camera,
+    *,
+    inside_image: bool = False,
+    pixel_center: float = 0.0,
+    canvas: Canvas = "full",
+    implementation: Implementation = "numba",
+) -> NDArray[np.int64]:
+    """The boxes around the silhouettes: left, top, width and height, (N, 4), pixels; width 0 for an empty one.
+
+    Args:
+        mesh: The object.
+        poses: N poses X_CO.
+        camera: Intrinsics and image size.
+        inside_image: Box the part of the silhouette inside the image, not all of it.
+        pixel_center: Where pixel i is sampled, u = i + pixel_center: 0 for OpenCV, 0.5 for OpenGL, MuJoCo and BOP.
+        canvas: Where the whole silhouette is looked at: "full", or "3x3" images, as BOP does.
+        implementation: "numba", or the slower "numpy" of the same result, which compiles nothing.
+    """
+    view = views(mesh.edges, poses, camera, pixel_center=pixel_center, canvas=canvas)
+    boxes = np.zeros((len(poses), 4), dtype=np.int64)
+    for n in range(len(poses)):
+        row, start, stop = _kernel(implementation).spans(mesh.edges, view, n).T
+        if inside_image:
+            start, stop = np.maximum(start, 0), np.minimum(stop, camera.width)
+            seen = (row >= 0) & (row < camera.height) & (start < stop)
+            row, start, stop = row[seen], start[seen], stop[seen]
+        if len(row):
+            left, top = start.min(), row.min()
+            boxes[n] = left, top, stop.max() - left, row.max() + 1 - top
+    return boxes
+
+
 class _Kernel(Protocol):
     """What both implementations offer."""
+
+    def spans(self, edges: ContourEdges, view: Views, n: int) -> NDArray[np.int64]: ...
 
     def draw(self, edges: ContourEdges, view: Views, mask: NDArray[np.bool_]) -> int: ...
 
