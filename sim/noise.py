@@ -39,6 +39,7 @@ class ViewNoise:
 class PoseNoise:
     """Errors of the pose estimators S1 (number 0) and S2 (number 1)."""
 
+    flip_axis: tuple[float, float, float]
     reference_distance_mm: float = _number(1.0, 1e5)
     lateral_mm: float = _number(0.0, _LARGEST)
     depth_ratio: float = _number(0.0, 100.0)
@@ -59,13 +60,13 @@ class PoseNoise:
     second_core_correlation: float = _number(-1.0, 1.0)
     second_outlier_correlation: float = _number(-1.0, 1.0)
     second_same_content_share: float = _number(0.0, 1.0)
-    flip_axis: tuple[float, float, float] = (0.0, 0.0, 1.0)
 
     def __post_init__(self) -> None:
         _check(self)
-        axis = self.flip_axis
-        if len(axis) != 3 or not all(_is_number(x) for x in axis) or not math.isclose(math.hypot(*axis), 1.0):
-            raise NoiseFileError(f"flip_axis: expected three numbers of norm 1, came {list(axis)}")
+        axis: Any = self.flip_axis
+        numbers = isinstance(axis, tuple) and len(axis) == 3 and all(_is_number(x) for x in axis)
+        if not numbers or not math.isclose(math.hypot(*axis), 1.0):
+            raise NoiseFileError(f"flip_axis: expected three numbers of norm 1, came {axis!r}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -131,7 +132,10 @@ def load_noise(name_or_file: str) -> PartNoise:
         path = Path(name_or_file)
         if not path.is_file():
             raise NoiseFileError(f"noise file {name_or_file} does not exist")
-        return read_noise(path.read_text(encoding="utf-8"), name_or_file)
+        try:
+            return read_noise(path.read_text(encoding="utf-8"), name_or_file)
+        except (OSError, UnicodeDecodeError) as error:
+            raise NoiseFileError(f"{name_or_file}: cannot be read: {error}") from error
     if name_or_file not in noise_names():
         raise NoiseFileError(
             f"unknown noise {name_or_file!r}: expected one of {', '.join(noise_names())}, or the path of a .toml file"
@@ -168,8 +172,6 @@ def _section(record: type[T], table: dict[str, Any], section: str, source: str) 
         return record(**{key: tuple(value) if isinstance(value, list) else value for key, value in rows.items()})
     except NoiseFileError as error:
         raise NoiseFileError(f"{source}: {section}.{error}") from error
-    except TypeError as error:
-        raise NoiseFileError(f"{source}: {section}: {error}") from error
 
 
 def _check_keys(table: dict[str, Any], expected: set[str], source: str, what: str) -> None:
