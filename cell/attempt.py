@@ -80,9 +80,7 @@ class Attempt:
         """The way to lay the part down that turns the joints least."""
         places = plan_places(self._part, self._motion.layout, plan, container_slot, half_opening)
         ways = [
-            (turn, place)
-            for place in places
-            if (turn := self._turn(place.X_BT_above, place.X_BT_release)) is not None
+            (turn, place) for place in places if (turn := self._turn(place.X_BT_above, place.X_BT_release)) is not None
         ]
         return min(ways, key=lambda way: way[0])[1] if ways else None
 

@@ -3,6 +3,7 @@
 from dataclasses import dataclass, field
 
 from cell.attempt import Attempt
+from cell.errors import PolicyError
 from cell.interfaces import (
     Action,
     Decision,
@@ -15,7 +16,6 @@ from cell.interfaces import (
 )
 from cell.layout import Layout
 from cell.motion import Motion, Unreachable
-from cell.part import Part
 from cell.perception import Perception
 from cell.records import AttemptRecord, Count, Seen, Slot, State, Transition
 from cell.search import refinement_view, search_run
@@ -47,6 +47,7 @@ class Cycle:
 
     def __init__(
         self,
+        *,
         station: Station,
         referee: Referee,
         perception: Perception,
@@ -67,7 +68,8 @@ class Cycle:
         """The whole experiment: one slot of time per part."""
         outcomes: list[Outcome] = []
         timeouts = 0
-        for self._slot in range(self._config.parts):
+        for slot in range(self._config.parts):
+            self._slot = slot
             start = self._station.time
             ended_by = self._run_slot(start + self._config.slot_time, outcomes)
             timeouts += ended_by is None
@@ -125,7 +127,7 @@ class Cycle:
         self._station.wait(self._config.settle_time, frozenset())
         observation = self._perception.look(self._station, refining)
         self._enter(State.DECIDE, f"{len(observation.detections)} detections")
-        decision = checked(self._policy.decide(observation), observation)
+        decision = _decide(self._policy, observation)
         seen = Seen(self._slot, self._decisions, observation, decision)
         self._decisions += 1
         self._tell(seen)
@@ -170,23 +172,25 @@ class Cycle:
         self._state = state
 
 
-def checked(decision: Decision, observation: Observation) -> Decision:
-    """The decision, if it is about a detection that exists.
+def _decide(policy: Policy, observation: Observation) -> Decision:
+    """The policy's decision, if it is about a detection that exists.
 
     Raises:
-        ValueError: it is not.
+        PolicyError: it is not, or the policy raised.
     """
+    who = f"{type(policy).__name__} on frame {observation.frame.index}"
+    try:
+        decision = policy.decide(observation)
+    except Exception as error:
+        raise PolicyError(f"{who}: raised {type(error).__name__}: {error}") from error
     count = len(observation.detections)
     if decision.action is not Action.SEARCH and decision.detection not in range(count):
-        raise ValueError(
-            f"expected a detection in 0..{count - 1} to {decision.action}, got {decision.detection} "
-            f"on frame {observation.frame.index}"
+        raise PolicyError(
+            f"{who}: expected a detection in 0..{count - 1} to {decision.action}, got {decision.detection}"
         )
     return decision
 
 
 def _detection(decision: Decision) -> int:
-    if decision.detection is None:
-        raise ValueError(f"a decision to {decision.action} names no detection")
+    assert decision.detection is not None  # `_decide` has seen to it
     return decision.detection
-

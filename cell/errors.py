@@ -15,3 +15,7 @@ class InvalidTrajectoryError(CellError, ValueError):
 
 class EstimatorError(CellError, RuntimeError):
     """An estimator or an uncertainty method raised, or returned something that is no estimate."""
+
+
+class PolicyError(CellError, RuntimeError):
+    """A policy raised, or decided upon a detection that does not exist."""

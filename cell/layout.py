@@ -39,7 +39,7 @@ class Belt:
 
 @dataclass(frozen=True)
 class Container:
-    """The sequence container: `columns` × `rows` open slots, numbered row by row from the corner of least x and most y."""
+    """The sequence container: `columns` × `rows` open slots, numbered row by row from least x and most y."""
 
     center_x: float = 0.05
     center_y: float = -0.82
@@ -82,7 +82,7 @@ class Gripper:
 
 @dataclass(frozen=True)
 class Layout:
-    """The whole cell. `hand_eye_error_*` shift the camera that renders away from the `X_FC` that the controller believes."""
+    """The whole cell; `X_FC` is where the controller believes the camera to be."""
 
     belt: Belt = field(default_factory=Belt)
     container: Container = field(default_factory=Container)

@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 from enum import StrEnum
 
-
 from cell.interfaces import Contact, Decision, Observation, Outcome
 from maskval import Pose
 
@@ -115,5 +114,3 @@ class Count:
     def ar(self) -> float | None:
         """TP / (TP + FN); None if nothing was placed and nothing was left."""
         return self.tp / (self.tp + self.fn) if self.tp + self.fn else None
-
-

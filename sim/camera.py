@@ -59,4 +59,5 @@ class Camera:
 
     def _render(self, data: mujoco.MjData, camera: str) -> NDArray[Any]:
         self._renderer.update_scene(data, camera)
-        return self._renderer.render()
+        image: NDArray[Any] = self._renderer.render()
+        return image

@@ -23,5 +23,3 @@ class GraphicsError(SimError, RuntimeError):
 
 class NoiseFileError(SimError, ValueError):
     """An error model that is unknown, or whose file is unfit."""
-
-

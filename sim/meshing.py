@@ -100,4 +100,5 @@ def convex_pieces(curves: Curves) -> tuple[trimesh.Trimesh, ...]:
 
 
 def _hull(curves: Curves) -> trimesh.Trimesh:
-    return trimesh.convex.convex_hull(curves.reshape(-1, 3))
+    hull: trimesh.Trimesh = trimesh.convex.convex_hull(curves.reshape(-1, 3))
+    return hull

@@ -1,6 +1,7 @@
 """Parts as data: one TOML file per kind, checked on the way in, with everything that physics needs to know of it."""
 
 import tomllib
+from collections.abc import Callable
 from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
@@ -13,11 +14,12 @@ from numpy.typing import NDArray
 from cell.part import Grasp, Part
 from maskval import Mesh, Pose
 from sim.errors import PartFileError
-from sim.meshing import bow_curves, convex_pieces, fin_curves, join
+from sim.meshing import Curves, bow_curves, convex_pieces, fin_curves, join
 
 RAREST_RESTING_POSE = 0.02  # poses less likely than this are facets of a rounded edge, on which no real part stays
 _LARGEST_PART = 0.5  # m; nothing larger fits the gripper and the belt
 _PART_FOLDER = files("sim") / "assets" / "parts"
+_GENERATORS: dict[str, Callable[..., Curves]] = {"fin": fin_curves, "bow": bow_curves}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -104,10 +106,9 @@ def _shape(table: dict[str, Any], folder: Path) -> tuple[trimesh.Trimesh, tuple[
     """The surface and its convex pieces, from a generator or from mesh files beside the TOML file."""
     generator = table.get("generator")
     if generator is not None:
-        generators = {"fin": fin_curves, "bow": bow_curves}
-        if generator not in generators:
-            raise ValueError(f"mesh.generator is {generator!r}, expected one of {', '.join(generators)}")
-        curves = generators[generator](**{key: value for key, value in table.items() if key != "generator"})
+        if generator not in _GENERATORS:
+            raise ValueError(f"mesh.generator is {generator!r}, expected one of {', '.join(_GENERATORS)}")
+        curves = _GENERATORS[generator](**{key: value for key, value in table.items() if key != "generator"})
         return join(curves), convex_pieces(curves)
     surface = _read_mesh(folder / table["file"])
     if "pieces" not in table:

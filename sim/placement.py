@@ -25,9 +25,8 @@ def place_parts(
     Raises:
         PlacementError: no room was found for all of them.
     """
-    footprints = [_footprint(model, side) for side in range(len(model.resting_poses))]
     for _ in range(_TRIES_PER_BELT):
-        placed = _fill_belt(model, footprints, count, belt, rng, clearance)
+        placed = _fill_belt(model, count, belt, rng, clearance)
         if placed is not None:
             return placed
     raise PlacementError(
@@ -39,17 +38,14 @@ def place_parts(
 def _footprint(model: PartModel, side: int) -> Polygon:
     """Outline of a resting pose seen from above, convex, (P, 2) m around O's origin."""
     points = (model.part.mesh.vertices @ model.resting_poses[side].rotation.T)[:, :2]
-    return points[ConvexHull(points).vertices]
+    outline: Polygon = points[ConvexHull(points).vertices]
+    return outline
 
 
 def _fill_belt(
-    model: PartModel,
-    footprints: list[Polygon],
-    count: int,
-    belt: Belt,
-    rng: np.random.Generator,
-    clearance: float,
+    model: PartModel, count: int, belt: Belt, rng: np.random.Generator, clearance: float
 ) -> list[Pose] | None:
+    footprints = [_footprint(model, side) for side in range(len(model.resting_poses))]
     outlines: list[Polygon] = []
     poses: list[Pose] = []
     probabilities = [pose.probability for pose in model.resting_poses]

@@ -6,6 +6,7 @@ extra `graspcell[meshes]` is installed (`sim.shells`).
 """
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import mujoco
 import numpy as np
@@ -24,7 +25,7 @@ _UPRIGHT = (1.0, 0.0, 0.0, 0.0)
 
 @dataclass(frozen=True)
 class _Link:
-    """One moving body: its place in its parent (ur_description, m), joint axis, mass (kg), reflected rotor inertia (kg m²)."""
+    """One moving body: its place in its parent (m), joint axis, mass (kg), its rotor's reflected inertia (kg m²)."""
 
     name: str
     position: tuple[float, float, float]
@@ -206,6 +207,6 @@ def _add_camera(flange: mujoco.MjsBody, camera: Camera, X_FC: Pose) -> None:
 def _exclude_neighbours(spec: mujoco.MjSpec) -> None:
     """Links that share a joint touch by construction; every other pair of links may collide."""
     chain = ["base", *(link.name for link in _LINKS), "flange"]
-    for first, second in zip(chain[:-1], chain[1:], strict=True):
+    for first, second in pairwise(chain):
         spec.add_exclude(bodyname1=first, bodyname2=second)
     spec.add_exclude(bodyname1=FINGERS[0], bodyname2=FINGERS[1])  # they meet when the gripper closes on nothing

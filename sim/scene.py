@@ -165,9 +165,7 @@ def _add_belt(spec: mujoco.MjSpec, belt: Belt, floor_z: float) -> None:
             )
 
 
-def _add_container(
-    spec: mujoco.MjSpec, container: Container, slot_size: tuple[float, float], floor_z: float
-) -> None:
+def _add_container(spec: mujoco.MjSpec, container: Container, slot_size: tuple[float, float], floor_z: float) -> None:
     body = spec.worldbody.add_body(name="container", pos=(container.center_x, container.center_y, container.floor_z))
     wall, height = container.wall_thickness, container.wall_height
     length_x = container.columns * (slot_size[0] + wall) + wall
@@ -234,9 +232,7 @@ def _add_sensors(spec: mujoco.MjSpec, parts: int) -> None:
     robot = {"objtype": mujoco.mjtObj.mjOBJ_XBODY, "objname": ROBOT}
     for other in ("belt", "container", "base", *(part_body(index) for index in range(parts))):
         _add_contact_sensor(spec, robot_touches(other), robot, {"reftype": mujoco.mjtObj.mjOBJ_BODY, "refname": other})
-    _add_contact_sensor(
-        spec, robot_touches("itself"), robot, {"reftype": mujoco.mjtObj.mjOBJ_XBODY, "refname": ROBOT}
-    )
+    _add_contact_sensor(spec, robot_touches("itself"), robot, {"reftype": mujoco.mjtObj.mjOBJ_XBODY, "refname": ROBOT})
     for index in range(parts):
         _add_contact_sensor(
             spec,
@@ -246,8 +242,6 @@ def _add_sensors(spec: mujoco.MjSpec, parts: int) -> None:
         )
 
 
-def _add_contact_sensor(
-    spec: mujoco.MjSpec, name: str, one: dict[str, object], other: dict[str, object]
-) -> None:
+def _add_contact_sensor(spec: mujoco.MjSpec, name: str, one: dict[str, object], other: dict[str, object]) -> None:
     sensor = spec.add_sensor(name=name, type=mujoco.mjtSensor.mjSENS_CONTACT, **one, **other)
     sensor.intprm = [*_FORCE_OF_STRONGEST_CONTACT] if len(sensor.intprm) == 3 else _FORCE_OF_STRONGEST_CONTACT

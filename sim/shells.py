@@ -86,9 +86,7 @@ def arm_shells() -> dict[str, tuple[Shell, ...]]:
             *_can((0, 0, 0.095), 2, 0.046, 0.050, lids=(1,)),
             Shell((0, -0.045, 0.1157), (0, 0.045, 0.1157), 0.047, solid=True),
         ),
-        "wrist_3": (
-            Shell((0, 0.050, 0), (0, 0.0922, 0), 0.045, JOINT_GREY, solid=True),
-        ),
+        "wrist_3": (Shell((0, 0.050, 0), (0, 0.0922, 0), 0.045, JOINT_GREY, solid=True),),
     }
 
 

@@ -26,11 +26,13 @@ class FrameTruth:
 
     def visible_parts(self) -> list[int]:
         """Parts with at least one pixel, in the order of their numbers."""
-        return [int(part) for part in np.unique(self.part_numbers) if part >= 0]
+        pixels = np.bincount(self.part_numbers.ravel() + 1)  # the first bin counts the pixels without a part
+        return [int(part) for part in np.flatnonzero(pixels[1:])]
 
     def mask(self, part: int) -> NDArray[np.bool_]:
         """The pixels that show the part, (H, W)."""
-        return self.part_numbers == part
+        shown: NDArray[np.bool_] = self.part_numbers == part
+        return shown
 
     def visibility(self, part: int, mesh: Mesh, camera: Camera) -> float:
         """Visible share of the part's whole silhouette, in [0, 1]: occlusion and the image's border together."""

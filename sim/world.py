@@ -99,7 +99,8 @@ class World:
     @property
     def q(self) -> Array:
         """Measured joint angles, (6,) rad."""
-        return self.data.qpos[self._arm].copy()
+        q: Array = self.data.qpos[self._arm].copy()
+        return q
 
     @property
     def jaw_half_opening(self) -> float:
@@ -136,7 +137,11 @@ class World:
             DivergenceError: it is not.
         """
         warnings = self.data.warning
-        for kind in (mujoco.mjtWarning.mjWARN_BADQPOS, mujoco.mjtWarning.mjWARN_BADQVEL, mujoco.mjtWarning.mjWARN_BADQACC):
+        for kind in (
+            mujoco.mjtWarning.mjWARN_BADQPOS,
+            mujoco.mjtWarning.mjWARN_BADQVEL,
+            mujoco.mjtWarning.mjWARN_BADQACC,
+        ):
             if warnings[kind].number:
                 raise DivergenceError(f"physics diverged ({kind.name}) before {self.time:.3f} s")
         if not (np.isfinite(self.data.qpos).all() and np.isfinite(self.data.qvel).all()):
@@ -175,4 +180,5 @@ class World:
 
     def contact_forces(self) -> Array:
         """Strongest contact force vector of every sensor, (S, 3) N; a view that the next step overwrites."""
-        return self.data.sensordata.reshape(-1, 3)
+        forces: Array = self.data.sensordata.reshape(-1, 3)
+        return forces

@@ -1,0 +1,96 @@
+"""The command `graspcell`: parses arguments, runs a job, and says in one line what went wrong."""
+
+import contextlib
+import dataclasses
+import io
+import re
+import sys
+from collections.abc import Callable, Sequence
+from typing import Annotated, Any
+
+import tyro
+
+from experiments.config import Compare, Run
+from experiments.errors import UsageError
+
+USAGE = 2  # exit code of a wrong argument
+FAILED = 1
+
+_DESCRIPTION = (
+    "Closed-loop grasp experiments in simulation that tell which 6D-pose uncertainty can be trusted. "
+    "`graspcell COMMAND --help` explains a command."
+)
+
+
+def _compare(config: Compare) -> int:
+    from experiments.compare import compare  # noqa: PLC0415  # the engine is loaded when it is needed
+
+    return compare(config)
+
+
+def _run(config: Run) -> int:
+    from experiments.run import run  # noqa: PLC0415
+
+    return run(config)
+
+
+_COMMAND: Any = Annotated[Compare, tyro.conf.subcommand("compare")] | Annotated[Run, tyro.conf.subcommand("run")]
+COMMANDS: dict[str, tuple[type[Any], Callable[[Any], int]]] = {"compare": (Compare, _compare), "run": (Run, _run)}
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """The entry point; always leaves by SystemExit."""
+    given = list(sys.argv[1:] if arguments is None else arguments)
+    try:
+        config = parse(given)
+        jobs = dict(COMMANDS.values())
+        code = jobs[type(config)](config)
+    except UsageError as error:
+        _fail(str(error), USAGE)
+    except KeyboardInterrupt:
+        _fail("interrupted", 130)
+    sys.exit(code)
+
+
+def parse(arguments: Sequence[str]) -> Any:
+    """The configuration that the arguments ask for.
+
+    Raises:
+        UsageError: they ask for something that does not exist; the message names what is valid.
+        SystemExit: they ask for help.
+    """
+    told = io.StringIO()
+    try:
+        with contextlib.redirect_stderr(told):
+            return tyro.cli(_COMMAND, prog="graspcell", description=_DESCRIPTION, args=list(arguments))
+    except SystemExit as stop:
+        if stop.code in (0, None):
+            raise
+        raise UsageError(_one_line(told.getvalue(), arguments)) from None
+
+
+def _one_line(told: str, arguments: Sequence[str]) -> str:
+    """What tyro says in a box, in one line, with the valid options if there is a choice to make."""
+    inside = [re.sub(r"^[│╭╰]|[│╮╯]$", "", line.strip()).strip() for line in told.splitlines()[1:-1]]
+    blocks = [[]] if not inside else [[inside[0]]]
+    for line in inside[1:]:
+        if set(line) == {"─"}:
+            blocks.append([])
+        else:
+            blocks[-1].append(line)
+    kept = [" ".join(block) for block in blocks if block and not block[0].startswith(("For full", "Argument help"))]
+    message = "; ".join(kept) or "the arguments are not understood"
+    command = arguments[0] if arguments else ""
+    if "nrecognized" in message and command in COMMANDS:
+        options = (f"--{field.name.replace('_', '-')}" for field in dataclasses.fields(COMMANDS[command][0]))
+        message += f"; valid options of {command}: {', '.join(options)}"
+    return message
+
+
+def _fail(message: str, code: int) -> None:
+    print(f"graspcell: error: {' '.join(message.split())}", file=sys.stderr)
+    sys.exit(code)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,69 @@
+"""`graspcell compare`: the main job."""
+
+from collections.abc import Sequence
+from contextlib import closing
+
+from tqdm import tqdm
+
+from cell.records import Count
+from experiments.config import Compare, writable_folder
+from experiments.experiment import ExperimentSpec, Result
+from experiments.pool import run_all
+from experiments.provenance import manifest, write_json
+from experiments.report import format_table
+from experiments.store import LogWriter
+from experiments.table import Cell, make_cell
+from sim.parts import load_part
+
+INTERRUPTED = 130  # the exit code of a command that Ctrl-C ended
+
+
+def compare(config: Compare) -> int:
+    """Runs all experiments, prints the table and writes the results; returns the exit code.
+
+    Ctrl-C keeps what is finished: the table, the logs and the manifest are written for it.
+
+    Raises:
+        UsageError: an argument that cannot be.
+    """
+    specs = config.specs()
+    folder = writable_folder(config.out)
+    results: list[Result] = []
+    interrupted = False
+    with (
+        LogWriter(folder) as logs,
+        tqdm(total=len(specs), unit="experiment", dynamic_ncols=True) as progress,
+        closing(run_all(specs, min(config.workers, len(specs)))) as stream,
+    ):
+        try:
+            for result in stream:
+                logs.write(result.tables)
+                results.append(Result(result.spec, result.count, result.failure, {}))
+                progress.set_postfix_str(f"{result.spec.part} × {result.spec.method}", refresh=False)
+                progress.update()
+        except KeyboardInterrupt:
+            interrupted = True
+    cells = make_cells(specs, results)
+    write_json(folder / "table.json", {"cells": [cell.as_json() for cell in cells]})
+    write_json(
+        folder / "manifest.json",
+        {**manifest(config), "seed": config.seed, "finished": len(results), "planned": len(specs)},
+    )
+    print(format_table(cells))
+    for result in results:
+        if result.failure is not None:
+            spec = result.spec
+            print(f"failed: {spec.part} × {spec.method}, experiment {spec.experiment}: {result.failure}")
+    if interrupted:
+        print(f"interrupted after {len(results)} of {len(specs)} experiments; what is finished is in {folder}")
+        return INTERRUPTED
+    print(f"results in {folder}")
+    return 0
+
+
+def make_cells(specs: Sequence[ExperimentSpec], results: Sequence[Result]) -> list[Cell]:
+    """One cell per object and method that has at least one result, in the order of the specs."""
+    counts: dict[tuple[str, str], list[Count | None]] = {(spec.part, spec.method): [] for spec in specs}
+    for result in results:
+        counts[result.spec.part, result.spec.method].append(result.count)
+    return [make_cell(load_part(part).part.name, method, group) for (part, method), group in counts.items() if group]

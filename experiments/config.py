@@ -1,0 +1,183 @@
+"""What a person sets on the command line, and the checks that turn it into experiments."""
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import get_args
+
+from cell.layout import Container
+from cell.trajectory import PRESETS
+from experiments.errors import UsageError
+from experiments.experiment import ExperimentSpec
+from experiments.methods import METHODS, make_method
+from experiments.thresholds import load_thresholds
+from sim.errors import SimError
+from sim.estimators import Kind
+from sim.noise import load_noise
+from sim.parts import load_part
+
+ESTIMATORS = get_args(Kind)
+
+
+@dataclass(frozen=True)
+class Compare:
+    """Compare uncertainty methods on grasp success: the paper's robot experiment, for every object and method.
+
+    Prints the table beside the paper's and writes table.json, manifest.json and the logs to --out.
+    """
+
+    objects: tuple[str, ...] = ("antenna", "handle")
+    """Parts to be sequenced: names, or TOML files of your own."""
+    methods: tuple[str, ...] = ("none", "ensemble-add", "maskval")
+    """Uncertainty methods: none, ensemble-add, maskval."""
+    experiments: int = 5
+    """Experiments per object and method; experiment i meets the same parts in the same poses with every method."""
+    parts: int = 8
+    """Parts on the belt per experiment, each with 20 s of time; 1 to 8."""
+    seed: int = 0
+    """Root of all random numbers."""
+    estimator: Kind = "noisy"
+    """noisy: masks and poses with realistic errors; oracle: exact ones, the ceiling."""
+    thresholds: str = "paper"
+    """A preset (paper), or a TOML file of the same form."""
+    speed: str = "ur-default"
+    """How fast the arm moves: ur-default, moderate, fast."""
+    hand_eye_error_mm: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """Shift of the true camera from where the robot believes it, along the camera's x, y and z."""
+    jobs: int = 0
+    """Processes to run experiments in; 0 takes one per core. The results do not depend on it."""
+    out: Path = Path("out/compare")
+    """Folder for the results; made if missing."""
+
+    def specs(self) -> list[ExperimentSpec]:
+        """The experiments, object by object, method by method.
+
+        Raises:
+            UsageError: an argument that cannot be.
+        """
+        _check_common(self.parts, self.seed, self.estimator, self.speed)
+        _at_least("--experiments", self.experiments, 1)
+        _at_least("--jobs", self.jobs, 0)
+        for name, chosen in (("--objects", self.objects), ("--methods", self.methods)):
+            if not chosen:
+                raise UsageError(f"{name} is empty: expected at least one name")
+            if len(set(chosen)) < len(chosen):
+                raise UsageError(f"{name} names something twice: {' '.join(chosen)}")
+        thresholds = load_thresholds(self.thresholds)
+        for part in self.objects:
+            for method in self.methods:
+                _check_part_and_method(part, method, self.thresholds)
+        return [
+            ExperimentSpec(
+                part=part,
+                method=method,
+                estimator=self.estimator,
+                thresholds=thresholds,
+                speed=self.speed,
+                parts=self.parts,
+                seed=self.seed,
+                experiment=experiment,
+                hand_eye_error_mm=self.hand_eye_error_mm,
+            )
+            for part in self.objects
+            for method in self.methods
+            for experiment in range(self.experiments)
+        ]
+
+    @property
+    def workers(self) -> int:
+        """Processes to use."""
+        return self.jobs or os.cpu_count() or 1
+
+
+@dataclass(frozen=True)
+class Run:
+    """Run one experiment and tell it step by step: what was seen, u, what was decided, what came of it.
+
+    Runs the same experiment as compare does with the same seed and number.
+    """
+
+    object: str = "antenna"
+    """Part to be sequenced: antenna, handle, or a TOML file of your own."""
+    method: str = "maskval"
+    """Uncertainty method: none, ensemble-add, maskval."""
+    experiment: int = 0
+    """Number of the experiment."""
+    parts: int = 8
+    """Parts on the belt, each with 20 s of time; 1 to 8."""
+    seed: int = 0
+    """Root of all random numbers."""
+    estimator: Kind = "noisy"
+    """noisy: masks and poses with realistic errors; oracle: exact ones."""
+    thresholds: str = "paper"
+    """A preset (paper), or a TOML file of the same form."""
+    speed: str = "ur-default"
+    """How fast the arm moves: ur-default, moderate, fast."""
+    out: Path | None = None
+    """Folder for the logs; none are written without it."""
+
+    def spec(self) -> ExperimentSpec:
+        """The experiment.
+
+        Raises:
+            UsageError: an argument that cannot be.
+        """
+        _check_common(self.parts, self.seed, self.estimator, self.speed)
+        _at_least("--experiment", self.experiment, 0)
+        _check_part_and_method(self.object, self.method, self.thresholds)
+        return ExperimentSpec(
+            part=self.object,
+            method=self.method,
+            estimator=self.estimator,
+            thresholds=load_thresholds(self.thresholds),
+            speed=self.speed,
+            parts=self.parts,
+            seed=self.seed,
+            experiment=self.experiment,
+        )
+
+
+def _check_common(parts: int, seed: int, estimator: str, speed: str) -> None:
+    container = Container()
+    slots = container.rows * container.columns
+    if not 1 <= parts <= slots:
+        raise UsageError(f"expected --parts in 1..{slots}, the container's slots, got {parts}")
+    _at_least("--seed", seed, 0)
+    _one_of("--estimator", estimator, ESTIMATORS)
+    _one_of("--speed", speed, tuple(PRESETS))
+
+
+def _check_part_and_method(part: str, method: str, thresholds: str) -> None:
+    _one_of("--method", method, tuple(METHODS))
+    try:
+        model = load_part(part)
+        load_noise(model.noise)
+    except SimError as error:
+        raise UsageError(str(error)) from error
+    make_method(method, model.part.name, load_thresholds(thresholds))
+
+
+def _at_least(name: str, value: int, least: int) -> None:
+    if value < least:
+        raise UsageError(f"expected {name} of at least {least}, got {value}")
+
+
+def _one_of(name: str, value: str, valid: tuple[str, ...]) -> None:
+    if value not in valid:
+        raise UsageError(f"unknown {name.removeprefix('--')} {value!r}: expected one of {', '.join(valid)}")
+
+
+def writable_folder(folder: Path) -> Path:
+    """The folder, made if missing and tried out.
+
+    Raises:
+        UsageError: it cannot be written to.
+    """
+    probe = folder / ".graspcell-probe"
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        probe.touch()
+        probe.unlink()
+    except OSError as error:
+        raise UsageError(f"cannot write to {folder}: {error.strerror or error}; expected a writable folder") from error
+    return folder

@@ -1,0 +1,136 @@
+"""One experiment: a belt of parts, one method, one result. No files, no printing: it runs in any process."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from cell.cycle import Cycle, CycleConfig
+from cell.errors import CellError
+from cell.interfaces import Listener
+from cell.layout import Layout
+from cell.perception import Perception
+from cell.records import Count
+from cell.trajectory import PRESETS
+from experiments.methods import make_method
+from experiments.recorder import Recorder, Row
+from experiments.thresholds import Thresholds
+from maskval import MaskvalError, Pose
+from sim.camera import PIXEL_CENTER, Camera
+from sim.errors import SimError
+from sim.estimators import Kind, make_estimators
+from sim.latents import Streams
+from sim.noise import load_noise
+from sim.parts import PartModel, load_part
+from sim.placement import place_parts
+from sim.referee import SimReferee
+from sim.station import SimStation
+from sim.truth import TruthBooth
+from sim.world import World
+
+
+@dataclass(frozen=True, slots=True)
+class ExperimentSpec:
+    """Everything that one experiment's result depends on.
+
+    Attributes:
+        part: name or TOML file of the part.
+        method: name of the method.
+        estimator: "noisy" or "oracle".
+        thresholds: of all methods.
+        speed: name of the speed preset.
+        parts: how many lie on the belt.
+        seed: root seed.
+        experiment: number of the experiment.
+        hand_eye_error_mm: how far the camera is from where the robot believes it, along its own x, y and z.
+    """
+
+    part: str
+    method: str
+    estimator: Kind
+    thresholds: Thresholds
+    speed: str
+    parts: int
+    seed: int
+    experiment: int
+    hand_eye_error_mm: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Result:
+    """What came of an experiment: a count, or the reason why there is none; and the rows of its logs."""
+
+    spec: ExperimentSpec
+    count: Count | None
+    failure: str | None
+    tables: dict[str, list[Row]]
+
+
+@dataclass(frozen=True, slots=True)
+class Bench:
+    """A world with its camera, built once per process and kind of part, and reset for every experiment."""
+
+    world: World
+    camera: Camera
+
+
+@lru_cache(maxsize=4)
+def bench(part: str, parts: int, hand_eye_error_mm: tuple[float, float, float]) -> Bench:
+    """The bench for a kind of part; benches are kept, since compiling and opening a renderer take a second."""
+    layout = Layout()
+    X_FC_true = layout.X_FC @ Pose.from_translation(np.array(hand_eye_error_mm) / 1000.0)
+    world = World(layout, load_part(part), parts, X_FC_true)
+    return Bench(world, Camera(world.model, layout.camera.height, layout.camera.width))
+
+
+def starting_poses(model: PartModel, spec: ExperimentSpec, layout: Layout) -> Sequence[Pose]:
+    """X_WO of the parts: a function of seed, kind and number of the experiment, whatever the method."""
+    streams = Streams(spec.seed, spec.experiment, model.part.name)
+    return place_parts(model, spec.parts, layout.belt, streams.generator(part=0, purpose="placement"))
+
+
+def run_experiment(spec: ExperimentSpec, tell: Callable[[object, TruthBooth], None] | None = None) -> Result:
+    """Runs it to its end. A failure of estimators, physics or a policy is a result with a reason, not an exception.
+
+    Args:
+        spec: the experiment.
+        tell: is told every record as it is made, with the truth about the newest frame.
+    """
+    model = load_part(spec.part)
+    booth = TruthBooth()
+    key = {"object": model.part.name, "method": spec.method, "experiment": spec.experiment}
+    recorder = Recorder(key, model.part, booth)
+
+    def listen(record: object) -> None:
+        recorder(record)
+        if tell is not None:
+            tell(record, booth)
+
+    count, failure = None, None
+    try:
+        count = make_cycle(spec, model, booth, listen).run()
+    except (CellError, SimError, MaskvalError) as error:
+        failure = f"{type(error).__name__}: {error}"
+    recorder.finish(spec.seed, spec.estimator, count, failure)
+    return Result(spec, count, failure, recorder.tables)
+
+
+def make_cycle(spec: ExperimentSpec, model: PartModel, booth: TruthBooth, listen: Listener) -> Cycle:
+    """The cell, set up and reset, with everything that one experiment needs."""
+    method = make_method(spec.method, model.part.name, spec.thresholds)
+    here = bench(spec.part, spec.parts, spec.hand_eye_error_mm)
+    layout = here.world.layout
+    here.world.reset(starting_poses(model, spec, layout))
+    station = SimStation(here.world, here.camera, booth)
+    streams = Streams(spec.seed, spec.experiment, model.part.name)
+    detector, networks = make_estimators(spec.estimator, booth, model.part, load_noise(model.noise), streams)
+    return Cycle(
+        station=station,
+        referee=SimReferee(here.world, station),
+        perception=Perception(model.part, detector, networks, method.uncertainty, PIXEL_CENTER),
+        policy=method.policy,
+        layout=layout,
+        config=CycleConfig(parts=spec.parts, speed=PRESETS[spec.speed]),
+        listener=listen,
+    )

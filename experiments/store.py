@@ -1,0 +1,136 @@
+"""The logs: typed Parquet tables with units, one row per frame, estimate, decision, attempt, slot and experiment."""
+
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+Row = Mapping[str, Any]
+Tables = Mapping[str, Iterable[Row]]
+
+_KEY = (
+    ("object", pa.string(), "name of the part"),
+    ("method", pa.string(), "name of the method"),
+    ("experiment", pa.int32(), "number of the experiment; equal numbers met equal parts in equal poses"),
+)
+_POSE = pa.list_(pa.float64(), 7)
+_POSE_UNIT = "x, y, z in m, then quaternion w, x, y, z"
+
+_COLUMNS: dict[str, tuple[tuple[str, pa.DataType, str], ...]] = {
+    "experiments": (
+        *_KEY,
+        ("seed", pa.int64(), "root seed"),
+        ("estimator", pa.string(), "noisy or oracle"),
+        ("failure", pa.string(), "why the experiment has no result; null if it has one"),
+        ("parts", pa.int32(), "parts on the belt at the start"),
+        ("tp", pa.int32(), "parts placed"),
+        ("fp", pa.int32(), "failed attempts"),
+        ("fn", pa.int32(), "parts left on the belt"),
+        ("void", pa.int32(), "attempts that closed on nothing and touched nothing"),
+        ("unreachable", pa.int32(), "poses that no grasp reaches"),
+        ("timeouts", pa.int32(), "slots that ran out"),
+        ("duration_s", pa.float64(), "s of the cell's clock"),
+    ),
+    "slots": (
+        *_KEY,
+        ("slot", pa.int32(), "number of the part's time slot"),
+        ("start_s", pa.float64(), "s"),
+        ("end_s", pa.float64(), "s"),
+        ("outcome", pa.string(), "what ended it; null for a time-out"),
+    ),
+    "transitions": (
+        *_KEY,
+        ("time_s", pa.float64(), "s"),
+        ("source", pa.string(), "state before"),
+        ("target", pa.string(), "state after"),
+        ("reason", pa.string(), "why"),
+    ),
+    "frames": (
+        *_KEY,
+        ("frame", pa.int32(), "number of the frame in its experiment"),
+        ("time_s", pa.float64(), "s"),
+        ("refining", pa.bool_(), "whether it was a second look"),
+        ("X_BC", _POSE, f"camera in the robot's base as the robot believes it: {_POSE_UNIT}"),
+        ("detections", pa.int32(), "how many"),
+    ),
+    "estimates": (
+        *_KEY,
+        ("frame", pa.int32(), "number of the frame"),
+        ("detection", pa.int32(), "number in the frame, best score first"),
+        ("score", pa.float64(), "the detector's, in [0, 1]"),
+        ("mask_rle", pa.list_(pa.uint32()), "COCO's uncompressed counts, column by column, beginning with zeros"),
+        ("u", pa.float64(), "the method's uncertainty, in [0, 1]"),
+        ("X_CO_est", _POSE, f"first estimator: {_POSE_UNIT}"),
+        ("X_CO_est_2", _POSE, f"second estimator, null if the method needs none: {_POSE_UNIT}"),
+        ("true_part", pa.int32(), "TRUTH: the part that most of the mask's pixels show; null for a false detection"),
+        ("true_visibility", pa.float64(), "TRUTH: visible share of the part's silhouette, in [0, 1]"),
+        ("true_mdd_m", pa.float64(), "TRUTH: largest distance error of the first estimator's pose, m"),
+        ("true_mdd_2_m", pa.float64(), "TRUTH: the same of the second estimator's, m"),
+    ),
+    "decisions": (
+        *_KEY,
+        ("decision", pa.int32(), "number of the decision"),
+        ("slot", pa.int32(), "number of the slot"),
+        ("frame", pa.int32(), "the frame decided upon"),
+        ("action", pa.string(), "grasp, refine or search"),
+        ("detection", pa.int32(), "the detection acted upon; null to search on"),
+        ("u", pa.float64(), "its uncertainty"),
+        ("threshold", pa.float64(), "the bound that it met; null if there was none"),
+    ),
+    "attempts": (
+        *_KEY,
+        ("attempt", pa.int32(), "number of the attempt"),
+        ("slot", pa.int32(), "number of the slot"),
+        ("decision", pa.int32(), "the decision that caused it"),
+        ("frame", pa.int32(), "the frame decided upon"),
+        ("detection", pa.int32(), "the detection in that frame"),
+        ("u", pa.float64(), "its uncertainty"),
+        ("threshold", pa.float64(), "the bound that it met; null if there was none"),
+        ("X_BO_est", _POSE, f"estimated part in the robot's base: {_POSE_UNIT}"),
+        ("grasp", pa.string(), "name of the grasp; null if none is within reach"),
+        ("container_slot", pa.int32(), "where the part was to go"),
+        ("start_s", pa.float64(), "s"),
+        ("end_s", pa.float64(), "s"),
+        ("last_state", pa.string(), "how far it came"),
+        ("contact_with", pa.string(), "what stopped it; null if nothing"),
+        ("contact_force_N", pa.float64(), "N"),
+        ("contact_time_s", pa.float64(), "s"),
+        ("outcome", pa.string(), "what it came to"),
+    ),
+}
+
+SCHEMAS = {
+    name: pa.schema([pa.field(column, kind, metadata={"meaning": meaning}) for column, kind, meaning in columns])
+    for name, columns in _COLUMNS.items()
+}
+
+
+class LogWriter:
+    """Writes one Parquet file per table into a folder; a context manager, so that what was written is always whole."""
+
+    def __init__(self, folder: Path) -> None:
+        self._writers = {name: pq.ParquetWriter(folder / f"{name}.parquet", schema) for name, schema in SCHEMAS.items()}
+
+    def write(self, tables: Tables) -> None:
+        """Appends the rows of one experiment.
+
+        Raises:
+            KeyError: a table that is unknown or missing.
+        """
+        unknown = set(tables) ^ set(SCHEMAS)
+        if unknown:
+            raise KeyError(f"expected rows for exactly {', '.join(SCHEMAS)}; wrong: {', '.join(sorted(unknown))}")
+        for name, rows in tables.items():
+            self._writers[name].write_table(pa.Table.from_pylist(list(rows), schema=SCHEMAS[name]))
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
+    ) -> None:
+        for writer in self._writers.values():
+            writer.close()

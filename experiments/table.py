@@ -1,0 +1,88 @@
+"""From experiments to the cells of the table: the paper's averages, pooled figures and their intervals."""
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from statistics import fmean
+from typing import Any
+
+from cell.records import Count
+from maskval import proportion_interval
+
+Interval = tuple[float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Cell:
+    """One cell of the table; rates in [0, 1], None where undefined. The names are those of table.json, a contract.
+
+    Attributes:
+        object: name of the part.
+        method: name of the method.
+        experiments: how many have a result.
+        failed: how many have none.
+        parts: parts that lay on the belts.
+        tp: parts placed.
+        fp: failed attempts.
+        fn: parts left on the belt.
+        void: attempts that met nothing.
+        timeouts: slots that ran out.
+        ap: TP/(TP+FP), mean over the experiments that have one: the paper's figure.
+        ar: TP/(TP+FN), likewise.
+        ap_pooled: the same of the summed counts.
+        ar_pooled: likewise.
+        ap_ci: 95 % Clopper-Pearson interval of the pooled AP.
+        ar_ci: likewise of the pooled AR.
+        cycle_time_s: time of all experiments per placed part, s.
+    """
+
+    object: str
+    method: str
+    experiments: int
+    failed: int
+    parts: int
+    tp: int
+    fp: int
+    fn: int
+    void: int
+    timeouts: int
+    ap: float | None
+    ar: float | None
+    ap_pooled: float | None
+    ar_pooled: float | None
+    ap_ci: Interval | None
+    ar_ci: Interval | None
+    cycle_time_s: float | None
+
+    def as_json(self) -> dict[str, Any]:
+        """The cell as it stands in table.json."""
+        return asdict(self)
+
+
+def make_cell(part: str, method: str, counts: Sequence[Count | None]) -> Cell:
+    """The cell of the experiments with one object and one method; None stands for an experiment that failed."""
+    done = [count for count in counts if count is not None]
+    tp, fp, fn = (sum(getattr(count, name) for count in done) for name in ("tp", "fp", "fn"))
+    return Cell(
+        object=part,
+        method=method,
+        experiments=len(done),
+        failed=len(counts) - len(done),
+        parts=sum(count.parts for count in done),
+        tp=tp,
+        fp=fp,
+        fn=fn,
+        void=sum(count.void for count in done),
+        timeouts=sum(count.timeouts for count in done),
+        ap=_mean([count.ap for count in done]),
+        ar=_mean([count.ar for count in done]),
+        ap_pooled=tp / (tp + fp) if tp + fp else None,
+        ar_pooled=tp / (tp + fn) if tp + fn else None,
+        ap_ci=proportion_interval(tp, tp + fp),
+        ar_ci=proportion_interval(tp, tp + fn),
+        cycle_time_s=sum(count.duration for count in done) / tp if tp else None,
+    )
+
+
+def _mean(rates: Sequence[float | None]) -> float | None:
+    defined = [rate for rate in rates if rate is not None]
+    return fmean(defined) if defined else None
