@@ -27,3 +27,7 @@ class InvalidEstimatesError(MaskvalError, ValueError):
 
 class InvalidEvaluationError(MaskvalError, ValueError):
     """Errors, uncertainties and parts that do not belong together, or a metric's parameter out of its range."""
+
+
+class InvalidFileError(MaskvalError, ValueError):
+    """A file that is not of the format that it should be; the message begins with the file and the place in it."""

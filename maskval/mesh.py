@@ -29,7 +29,7 @@ class Mesh:
     """
 
     vertices: NDArray[np.float64]
-    faces: NDArray[np.int32]
+    faces: NDArray[np.integer[Any]]
     edges: ContourEdges = field(init=False, repr=False)
 
     def __post_init__(self) -> None:

@@ -1,0 +1,109 @@
+"""Detections with masks as BOP's results JSON of 2022, after COCO: one object for each detection."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from maskval.bop.fields import Entry, read_json, write_entries
+from maskval.errors import InvalidFileError, InvalidMaskError
+from maskval.masks import mask_from_rle, rle_counts
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Detection:
+    """An instance that a detector found; its mask is unpacked when it is asked for.
+
+    Args:
+        scene_id: Scene.
+        im_id: Image in the scene (image_id in the file).
+        obj_id: Object (category_id in the file).
+        score: Confidence; high is good.
+        rle: COCO's uncompressed run lengths of the mask.
+        height: Image height, pixels.
+        width: Image width, pixels.
+        time_s: Time that the detector took for all of the image, seconds, or -1.
+    """
+
+    scene_id: int
+    im_id: int
+    obj_id: int
+    score: float
+    rle: tuple[int, ...]
+    height: int
+    width: int
+    time_s: float = -1.0
+
+    @property
+    def mask(self) -> NDArray[np.bool_]:
+        """The mask, (H, W)."""
+        return mask_from_rle(self.rle, self.height, self.width)
+
+
+def read_detections(path: Path) -> list[Detection]:
+    """The detections of a results file with uncompressed run lengths.
+
+    Args:
+        path: The JSON file.
+
+    Raises:
+        InvalidFileError: If an entry is malformed or its run lengths do not fill the image.
+    """
+    return [_detection(entry) for entry in read_json(path).elements()]
+
+
+def write_detections(path: Path, detections: Iterable[Detection]) -> None:
+    """Writes detections as bop_toolkit reads them; each box is that of its mask.
+
+    Args:
+        path: The JSON file.
+        detections: The detections.
+    """
+    write_entries(
+        path,
+        [
+            {
+                "scene_id": d.scene_id,
+                "image_id": d.im_id,
+                "category_id": d.obj_id,
+                "score": d.score,
+                "bbox": _box(d.mask),
+                "segmentation": {"counts": list(d.rle), "size": [d.height, d.width]},
+                "time": d.time_s,
+            }
+            for d in detections
+        ],
+    )
+
+
+def _detection(entry: Entry) -> Detection:
+    segmentation = entry["segmentation"]
+    size = [element.integer() for element in segmentation["size"].elements()]
+    counts = segmentation["counts"]
+    if len(size) != 2:
+        raise segmentation["size"].error("height and width")
+    if not isinstance(counts.value, list):
+        raise counts.error("uncompressed run lengths, a list of whole numbers")
+    rle = tuple(element.integer() for element in counts.elements())
+    try:
+        mask_from_rle(rle, size[0], size[1])
+    except InvalidMaskError as error:
+        raise InvalidFileError(f"{counts.place}: {error}") from error
+    ids = [entry[name].integer() for name in ("scene_id", "image_id", "category_id")]
+    time_s = entry["time"].number() if "time" in entry else -1.0
+    return Detection(ids[0], ids[1], ids[2], entry["score"].number(), rle, size[0], size[1], time_s)
+
+
+def detection_of_mask(scene_id: int, im_id: int, obj_id: int, score: float, mask: NDArray[np.bool_]) -> Detection:
+    """The detection of a mask, (H, W)."""
+    return Detection(scene_id, im_id, obj_id, score, tuple(rle_counts(mask)), mask.shape[0], mask.shape[1])
+
+
+def _box(mask: NDArray[np.bool_]) -> list[int]:
+    rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
+    if len(rows) == 0:
+        return [-1, -1, -1, -1]
+    left, top = int(columns[0]), int(rows[0])
+    return [left, top, int(columns[-1]) + 1 - left, int(rows[-1]) + 1 - top]

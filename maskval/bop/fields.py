@@ -1,0 +1,143 @@
+"""Reading JSON with errors that say where: the file, the entry in it, and what was expected there."""
+
+import json
+import math
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from maskval.errors import InvalidFileError, MaskvalError
+from maskval.geometry import Pose
+
+M_PER_MM = 1e-3
+# Files round their numbers: a matrix this near to a rotation is made one, another is refused.
+ROUNDING = 1e-3
+
+
+class Entry:
+    """A JSON value and where it stands.
+
+    Args:
+        value: The value.
+        place: The file, and the way to the value in it.
+    """
+
+    __slots__ = ("place", "value")
+
+    def __init__(self, value: Any, place: str) -> None:
+        self.value = value
+        self.place = place
+
+    def error(self, expected: str) -> InvalidFileError:
+        """The error of a value that is not as expected."""
+        return InvalidFileError(f"{self.place}: expected {expected}, but found {_shown(self.value)}")
+
+    def __getitem__(self, key: str) -> "Entry":
+        if not isinstance(self.value, dict):
+            raise self.error("an object")
+        if key not in self.value:
+            available = ", ".join(sorted(self.value)) or "nothing"
+            raise InvalidFileError(f"{self.place}: expected the field {key!r}, but found only {available}")
+        return Entry(self.value[key], f"{self.place}: {key}")
+
+    def __contains__(self, key: str) -> bool:
+        return isinstance(self.value, dict) and key in self.value
+
+    def items(self) -> Iterator[tuple[int, "Entry"]]:
+        """The entries of an object whose keys are identifiers, in their order."""
+        if not isinstance(self.value, dict):
+            raise self.error("an object of entries by their id")
+        for key, value in self.value.items():
+            if not key.isdigit():
+                raise InvalidFileError(f"{self.place}: expected whole numbers as keys, but found {key!r}")
+            yield int(key), Entry(value, f"{self.place}: {key}")
+
+    def elements(self) -> Iterator["Entry"]:
+        """The elements of a list."""
+        if not isinstance(self.value, list):
+            raise self.error("a list")
+        for index, value in enumerate(self.value):
+            yield Entry(value, f"{self.place}: [{index}]")
+
+    def integer(self) -> int:
+        """A whole number."""
+        if isinstance(self.value, bool) or not isinstance(self.value, int):
+            raise self.error("a whole number")
+        return self.value
+
+    def number(self) -> float:
+        """A finite number."""
+        if isinstance(self.value, bool) or not isinstance(self.value, int | float) or not math.isfinite(self.value):
+            raise self.error("a finite number")
+        return float(self.value)
+
+    def numbers(self, count: int) -> NDArray[np.float64]:
+        """So many finite numbers."""
+        if not isinstance(self.value, list) or len(self.value) != count:
+            raise self.error(f"a list of {count} numbers")
+        return np.array([element.number() for element in self.elements()])
+
+
+def read_json(path: Path) -> Entry:
+    """The value of a JSON file.
+
+    Args:
+        path: The file.
+
+    Raises:
+        InvalidFileError: If it is no JSON.
+    """
+    try:
+        return Entry(json.loads(path.read_text(encoding="utf-8")), str(path))
+    except json.JSONDecodeError as error:
+        raise InvalidFileError(f"{path}:{error.lineno}:{error.colno}: expected JSON: {error.msg}") from error
+
+
+def write_entries(path: Path, entries: dict[str, Any] | Sequence[Any]) -> None:
+    """Writes a JSON object or list with an entry on each line, as BOP's files are.
+
+    Args:
+        path: The file.
+        entries: What JSON can hold.
+    """
+    if isinstance(entries, dict):
+        lines = [f"  {json.dumps(key)}: {json.dumps(value)}" for key, value in entries.items()]
+        opening, closing = "{", "}"
+    else:
+        lines = [f"  {json.dumps(value)}" for value in entries]
+        opening, closing = "[", "]"
+    path.write_text("\n".join((opening, ",\n".join(lines), closing, "")), encoding="utf-8")
+
+
+def pose_of(rotation: NDArray[np.float64], translation_mm: NDArray[np.float64], place: str) -> Pose:
+    """The pose of nine numbers, row by row, and three in millimetres.
+
+    Args:
+        rotation: (9,), a rotation to 1e-3: what rounding took from it is put back.
+        translation_mm: (3,), millimetres.
+        place: Where the numbers stand, for the error.
+
+    Raises:
+        InvalidFileError: If the matrix is no rotation.
+    """
+    R = rotation.reshape(3, 3)
+    left, _, right = np.linalg.svd(R)
+    nearest = left @ right
+    try:
+        pose = Pose(nearest, translation_mm * M_PER_MM)
+    except MaskvalError as error:
+        raise InvalidFileError(f"{place}: {error}") from error
+    off = float(np.abs(nearest - R).max())
+    if off > ROUNDING:
+        raise InvalidFileError(
+            f"{place}: expected a rotation to {ROUNDING:g}, but the nearest one differs by {off:.3g}"
+        )
+    return pose
+
+
+def _shown(value: Any) -> str:
+    text = json.dumps(value)
+    return text if len(text) <= 60 else text[:57] + "..."

@@ -1,0 +1,82 @@
+"""BOP's images: masks of 0 and 255, and depth of 16 bits in steps of `depth_scale` millimetres."""
+
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from maskval.bop.fields import M_PER_MM
+from maskval.errors import InvalidFileError
+
+
+def mask_path(scene: Path, im_id: int, part: int, *, visible: bool = True) -> Path:
+    """Where the mask of a part is.
+
+    Args:
+        scene: Folder of the scene.
+        im_id: Image in the scene.
+        part: Index of the part in the image's list of `scene_gt.json`.
+        visible: The mask of what is visible of it, not of all of it.
+    """
+    return scene / ("mask_visib" if visible else "mask") / f"{im_id:06d}_{part:06d}.png"
+
+
+def read_mask(path: Path) -> NDArray[np.bool_]:
+    """The mask of a PNG file of 0 and 255, (H, W).
+
+    Raises:
+        InvalidFileError: If it is no image, or holds another value.
+    """
+    image = _read(path)
+    if image.ndim != 2 or image.dtype != np.uint8 or not ((image == 0) | (image == 255)).all():
+        raise InvalidFileError(f"{path}: expected a grey image of 0 and 255, but found {image.dtype} {image.shape}")
+    return image > 0
+
+
+def write_mask(path: Path, mask: NDArray[np.bool_]) -> None:
+    """Writes a mask, (H, W), as a PNG file of 0 and 255."""
+    _write(path, np.asarray(mask, dtype=np.bool_).astype(np.uint8) * 255)
+
+
+def read_depth(path: Path, depth_scale: float = 1.0) -> NDArray[np.float64]:
+    """The z-depth of a 16-bit PNG file, (H, W), metres; 0 where nothing was measured.
+
+    Args:
+        path: The file.
+        depth_scale: Millimetres for each step, from the image's camera.
+    """
+    image = _read(path)
+    if image.ndim != 2 or image.dtype != np.uint16:
+        raise InvalidFileError(f"{path}: expected a grey image of 16 bits, but found {image.dtype} {image.shape}")
+    return image * (depth_scale * M_PER_MM)
+
+
+def write_depth(path: Path, depth: NDArray[Any], depth_scale: float = 1.0) -> None:
+    """Writes z-depth as a 16-bit PNG file, rounded to whole steps.
+
+    Args:
+        path: The file.
+        depth: (H, W), metres, at most 65,535 steps.
+        depth_scale: Millimetres for each step, which the image's camera must say.
+    """
+    steps = np.rint(np.asarray(depth, dtype=np.float64) / (depth_scale * M_PER_MM))
+    if not ((steps >= 0) & (steps <= 65_535)).all():
+        raise ValueError(f"depth must be 0 to 65,535 steps of {depth_scale:g} mm, but is up to {steps.max():g}")
+    _write(path, steps.astype(np.uint16))
+
+
+def _read(path: Path) -> NDArray[Any]:
+    if not path.is_file():
+        raise FileNotFoundError(f"{path} is no file")
+    image: NDArray[Any] | None = cv2.imread(str(path), cv2.IMREAD_UNCHANGED)
+    if image is None:
+        raise InvalidFileError(f"{path}: expected an image, but it cannot be read as one")
+    return image
+
+
+def _write(path: Path, image: NDArray[Any]) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    if not cv2.imwrite(str(path), image):
+        raise OSError(f"{path} could not be written")

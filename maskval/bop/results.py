@@ -1,0 +1,101 @@
+"""Pose estimates as BOP's results CSV: `scene_id,im_id,obj_id,score,R,t,time`."""
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from maskval.bop.fields import M_PER_MM, pose_of
+from maskval.errors import InvalidFileError
+from maskval.geometry import Pose
+
+FIELDS = ("scene_id", "im_id", "obj_id", "score", "R", "t", "time")
+# What BOP writes for a time that was not measured.
+UNKNOWN_TIME = -1.0
+
+
+@dataclass(frozen=True, slots=True)
+class Result:
+    """A pose estimate.
+
+    Args:
+        scene_id: Scene.
+        im_id: Image in the scene.
+        obj_id: Object.
+        score: Confidence of the estimate; high is good.
+        X_CO: Pose of the object in the camera frame.
+        time_s: Time that the method took for all of the image, seconds, or -1.
+    """
+
+    scene_id: int
+    im_id: int
+    obj_id: int
+    score: float
+    X_CO: Pose
+    time_s: float = UNKNOWN_TIME
+
+
+def read_results(path: Path) -> list[Result]:
+    """The estimates of a results file, translations turned from millimetres to metres.
+
+    Args:
+        path: The CSV file, with or without its header.
+
+    Raises:
+        InvalidFileError: If a line is malformed; the message says file, line and column.
+    """
+    results = []
+    for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), start=1):
+        if not line.strip() or (number == 1 and line.replace(" ", "") == ",".join(FIELDS)):
+            continue
+        fields = line.split(",")
+        if len(fields) != len(FIELDS):
+            raise InvalidFileError(
+                f"{path}:{number}:1: expected the {len(FIELDS)} fields {','.join(FIELDS)}, but found {len(fields)}"
+            )
+        # The column of each field, counted from 1 as editors do.
+        columns = np.cumsum([1] + [len(field) + 1 for field in fields])
+        places = [f"{path}:{number}:{column}" for column in columns]
+        ids = [_integer(fields[k], places[k], FIELDS[k]) for k in range(3)]
+        (score,), rotation, translation_mm, (time_s,) = (
+            _numbers(fields[k], count, places[k], FIELDS[k]) for k, count in ((3, 1), (4, 9), (5, 3), (6, 1))
+        )
+        X_CO = pose_of(rotation, translation_mm, places[4])
+        results.append(Result(ids[0], ids[1], ids[2], float(score), X_CO, float(time_s)))
+    return results
+
+
+def write_results(path: Path, results: Iterable[Result]) -> None:
+    """Writes estimates as bop_toolkit reads them, translations in millimetres.
+
+    Args:
+        path: The CSV file.
+        results: The estimates.
+    """
+    lines = [",".join(FIELDS)]
+    for result in results:
+        rotation = " ".join(repr(float(value)) for value in result.X_CO.rotation.ravel())
+        translation = " ".join(repr(float(value / M_PER_MM)) for value in result.X_CO.translation)
+        ids = f"{result.scene_id},{result.im_id},{result.obj_id}"
+        lines.append(f"{ids},{float(result.score)!r},{rotation},{translation},{float(result.time_s)!r}")
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def _integer(text: str, place: str, name: str) -> int:
+    if not text.strip().isdigit():
+        raise InvalidFileError(f"{place}: expected {name} as a whole number, but found {text.strip()!r}")
+    return int(text)
+
+
+def _numbers(text: str, count: int, place: str, name: str) -> NDArray[np.float64]:
+    words = text.split()
+    try:
+        numbers = [float(word) for word in words]
+    except ValueError:
+        numbers = []
+    if len(numbers) != count or not all(map(math.isfinite, numbers)):
+        raise InvalidFileError(f"{place}: expected {name} as {count} finite numbers, but found {text.strip()!r}")
+    return np.array(numbers)
