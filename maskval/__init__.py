@@ -15,7 +15,7 @@ from maskval.errors import (
     MaskvalError,
 )
 from maskval.estimates import Estimates, NoUncertainty, UncertaintyMethod
-from maskval.evaluation import NO_PART, Counting, Evaluation
+from maskval.evaluation import NO_PART, Counting, Evaluation, ImageErrors, match_images
 from maskval.geometry import Pose, angle_between
 from maskval.intervals import bootstrap_mean_interval, proportion_interval
 from maskval.masks import PackedMasks, mask_from_rle, mask_iou, rle_counts
@@ -42,6 +42,7 @@ __all__ = [
     "EnsembleTranslation",
     "Estimates",
     "Evaluation",
+    "ImageErrors",
     "InvalidCameraError",
     "InvalidEstimatesError",
     "InvalidEvaluationError",
@@ -75,6 +76,7 @@ __all__ = [
     "mask_from_rle",
     "mask_iou",
     "maskval_uncertainty",
+    "match_images",
     "mdd",
     "mspd",
     "mssd",

@@ -1,11 +1,13 @@
 """Poses with their uncertainties and true errors, and the parts that should have been found: what metrics count."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from maskval.association import UNMATCHED, associate
 from maskval.errors import InvalidEvaluationError
 
 # The paper's θ_v: an unfound part counts as a false negative only if it is at least this visible.
@@ -135,6 +137,61 @@ class Evaluation:
             part_image=part_image,
             part_visibility=self.part_visibility[parts],
         )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ImageErrors:
+    """What is known of one image before poses and parts are matched.
+
+    Args:
+        errors_m: Error of each pose against each part, (N, P), metres; infinite where they cannot belong together.
+        u: Uncertainty of each pose, (N,).
+        part_visibility: Visible share of each part, (P,), in [0, 1].
+    """
+
+    errors_m: NDArray[np.float64]
+    u: NDArray[np.float64]
+    part_visibility: NDArray[np.float64]
+
+
+def match_images(images: Sequence[ImageErrors]) -> Evaluation:
+    """The evaluation of images whose poses are matched to parts, the least error first and each part once.
+
+    A pose that no part is left for belongs to none, so that a part found twice counts as a false positive.
+
+    Args:
+        images: The errors of each image.
+
+    Raises:
+        InvalidEvaluationError: If an image's table is not of its poses and parts, or holds no errors.
+    """
+    poses = np.array([len(image.u) for image in images], dtype=np.int64)
+    parts = np.array([len(image.part_visibility) for image in images], dtype=np.int64)
+    first_part = np.cumsum(parts) - parts
+    pose_part, errors = [np.empty(0, dtype=np.int64)], [np.empty(0)]
+    for index, image in enumerate(images):
+        table = np.asarray(image.errors_m, dtype=np.float64)
+        if table.shape != (poses[index], parts[index]) or not (table >= 0).all():
+            raise InvalidEvaluationError(
+                f"errors_m of image {index} must be >= 0 and of shape ({poses[index]}, {parts[index]}), "
+                f"but are of {table.shape}"
+            )
+        # The least error first is the greatest closeness first, in (0, 1], and 0 where nothing belongs together.
+        matched = associate(1.0 / (1.0 + table), "greedy")
+        found = matched != UNMATCHED
+        pose_part.append(np.where(found, matched + first_part[index], NO_PART))
+        # The index of an unmatched pose, -1, takes the column appended here.
+        padded = np.pad(table, ((0, 0), (0, 1)), constant_values=np.inf)
+        errors.append(padded[np.arange(len(table)), matched])
+    return Evaluation(
+        images=len(images),
+        pose_image=np.repeat(np.arange(len(images)), poses),
+        pose_part=np.concatenate(pose_part),
+        errors_m=np.concatenate(errors),
+        u=np.concatenate([np.empty(0), *(image.u for image in images)]),
+        part_image=np.repeat(np.arange(len(images)), parts),
+        part_visibility=np.concatenate([np.empty(0), *(image.part_visibility for image in images)]),
+    )
 
 
 def _members(

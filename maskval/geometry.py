@@ -42,6 +42,10 @@ class Pose:
             raise InvalidPoseError("rotation must have determinant +1, but has -1: it mirrors (a left-handed frame?)")
         self._freeze(rotation, translation)
 
+    def __reduce__(self) -> tuple[type[Self], tuple[NDArray[np.float64], NDArray[np.float64]]]:
+        # What comes out of a pickle is not writeable either.
+        return type(self), (self.rotation, self.translation)
+
     def _freeze(self, rotation: NDArray[np.float64], translation: NDArray[np.float64]) -> None:
         rotation.setflags(write=False)
         translation.setflags(write=False)

@@ -19,10 +19,26 @@ class PackedMasks:
     Args:
         words: Bit j of words[k, v, w] is pixel [v, 64 w + j] of mask k, (K, H, ceil(W / 64)); bits beyond W are 0.
         width: Image width W, pixels.
+
+    Raises:
+        InvalidMaskError: If the words are not of this shape and type.
     """
 
     words: NDArray[np.uint64]
     width: int
+
+    def __post_init__(self) -> None:
+        words = np.array(self.words, order="C")
+        if words.dtype != np.uint64 or words.ndim != 3 or words.shape[2] != -(-self.width // 64):
+            raise InvalidMaskError(
+                f"words must be uint64 of shape (K, H, {-(-self.width // 64)}), but are {words.dtype} of {words.shape}"
+            )
+        words.setflags(write=False)
+        object.__setattr__(self, "words", words)
+
+    def __reduce__(self) -> tuple[type[Self], tuple[NDArray[np.uint64], int]]:
+        # What comes out of a pickle is not writeable either: Numba would compile the kernel anew for arrays that are.
+        return type(self), (self.words, self.width)
 
     @classmethod
     def pack(cls, masks: NDArray[Any]) -> Self:
@@ -40,9 +56,7 @@ class PackedMasks:
         count, height, width = stack.shape
         packed = np.zeros((count, height, -(-width // 64) * 8), dtype=np.uint8)
         packed[:, :, : -(-width // 8)] = np.packbits(stack, axis=-1, bitorder="little")
-        words = packed.view("<u8").astype(np.uint64, copy=False)
-        words.setflags(write=False)
-        return cls(words, width)
+        return cls(packed.view("<u8").astype(np.uint64, copy=False), width)
 
     @classmethod
     def from_rle(cls, runs: Iterable[Sequence[int]], height: int, width: int) -> Self:

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 import scipy
@@ -56,6 +56,10 @@ class Mesh:
                 f"the diameter must be at most {MAXIMUM_DIAMETER_M:g} m, but is {self.diameter:g} m: millimetres?"
             )
         object.__setattr__(self, "edges", contour_edges(vertices, faces))
+
+    def __reduce__(self) -> tuple[type[Self], tuple[NDArray[np.float64], NDArray[np.integer[Any]]]]:
+        # What comes out of a pickle is not writeable either: Numba would compile the kernel anew for arrays that are.
+        return type(self), (self.vertices, self.faces)
 
     @property
     def bounds(self) -> NDArray[np.float64]:

@@ -75,6 +75,8 @@ FLAT = np.zeros((2, 3), dtype=bool)
         (lambda: PackedMasks.pack(np.zeros((2, 2, 2, 2), dtype=bool)), r"but has \(2, 2, 2, 2\)"),
         (lambda: PackedMasks.pack(FLAT.astype(np.uint8) + 255), "must hold 0 and 1, but holds 255"),
         (lambda: PackedMasks.pack(FLAT.astype(np.float32)), "bool or uint8, but is float32"),
+        (lambda: PackedMasks(np.zeros((1, 2, 2), dtype=np.uint64), 64), r"\(K, H, 1\), but are uint64 of \(1, 2, 2\)"),
+        (lambda: PackedMasks(np.zeros((1, 2, 2)), 128), "words must be uint64 .* but are float64"),
         (lambda: rle_counts(FLAT[0]), r"shape \(H, W\), but has \(3,\)"),
         (lambda: mask_iou(FLAT, FLAT.T), r"one size, but have \(2, 3\) and \(3, 2\)"),
         (lambda: mask_from_rle([1, 2], 2, 3), "add up to 2 x 3 = 6, but to 3"),

@@ -1,7 +1,9 @@
+import pickle
+
 import numpy as np
 import pytest
 
-from maskval import InvalidMeshError, Mesh
+from maskval import InvalidMeshError, Mesh, PackedMasks, Pose, depth_image
 from tests.maskval import shapes
 
 TRIANGLE = np.array([[0.0, 0, 0], [3, 0, 0], [0, 4, 0]])
@@ -47,6 +49,30 @@ def test_corners_at_one_place_are_welded_for_the_contour_only() -> None:
     assert len(soup.vertices) == 3 * len(faces)
     assert len(soup.edges.vertices_M) == len(vertices)
     assert len(soup.edges.tails) == 3 * len(faces) // 2
+
+
+def test_vertices_of_no_face_do_not_count_for_the_contour() -> None:
+    vertices, faces = shapes.torus()
+    stray = Mesh(np.concatenate((vertices, [[0, 0, -3]])), faces)
+    assert len(stray.vertices) == len(vertices) + 1
+    assert stray.edges.radius == Mesh(vertices, faces).edges.radius
+    X_CO = Pose.from_translation((0, 0, 0.6))
+    np.testing.assert_array_equal(
+        depth_image(stray, X_CO, shapes.VGA), depth_image(Mesh(vertices, faces), X_CO, shapes.VGA)
+    )
+
+
+def test_what_comes_out_of_a_pickle_is_the_same_and_not_writeable() -> None:
+    mesh = shapes.cube()
+    pose = shapes.random_poses(0, 1)[0]
+    packed = PackedMasks.pack(np.eye(70, dtype=bool))
+    mesh2, pose2, packed2 = pickle.loads(pickle.dumps((mesh, pose, packed)))
+    np.testing.assert_array_equal(pose2.matrix, pose.matrix)
+    for found, expected in ((mesh2.edges, mesh.edges), ((packed2.words,), (packed.words,))):
+        for array, same in zip(found, expected, strict=True):
+            np.testing.assert_array_equal(array, same)
+    for array in (mesh2.vertices, mesh2.edges.planes_M, pose2.rotation, packed2.words):
+        assert not array.flags.writeable
 
 
 def test_nobody_can_write_to_a_mesh_and_it_keeps_copies() -> None:

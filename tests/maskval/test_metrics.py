@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from maskval.errors import InvalidEvaluationError
-from maskval.evaluation import NO_PART, Counting, Evaluation
+from maskval.evaluation import NO_PART, Counting, Evaluation, ImageErrors, match_images
 from maskval.metrics import Rates, rates, recall_curve, sweep
 
 COUNTINGS = [
@@ -174,6 +174,30 @@ def test_chosen_images_keep_their_poses_and_parts() -> None:
     assert one.pose_part.tolist() == [0, NO_PART, 2, NO_PART]
     assert one.part_visibility.tolist() == [0.85, 0.84, 0.85, 0.84]
     assert rates(one, 0.01) == pytest.approx((1 / 2, 1.0, 1.0))
+
+
+def test_poses_are_matched_to_parts_by_the_least_error_first() -> None:
+    evaluation = match_images(
+        [
+            ImageErrors(np.array([[0.02, 0.5], [0.01, 0.03], [0.4, np.inf]]), np.array([0.1, 0.2, 0.3]), np.ones(2)),
+            ImageErrors(np.empty((0, 1)), np.empty(0), np.array([0.9])),
+            ImageErrors(np.array([[0.005]]), np.array([0.4]), np.array([0.5])),
+            ImageErrors(np.empty((1, 0)), np.array([0.6]), np.empty(0)),
+        ]
+    )
+    # Image 0: pose 1 takes part 0, so pose 0 gets part 1 at 0.5 m, and for pose 2 there is none left.
+    assert evaluation.pose_part.tolist() == [1, 0, NO_PART, 3, NO_PART]
+    assert evaluation.errors_m.tolist() == [0.5, 0.01, np.inf, 0.005, np.inf]
+    assert evaluation.pose_image.tolist() == [0, 0, 0, 2, 3]
+    assert evaluation.part_image.tolist() == [0, 0, 1, 2]
+    assert evaluation.part_visibility.tolist() == [1, 1, 0.9, 0.5]
+    assert rates(match_images([]), 0.01) == (None, None, None)
+
+
+def test_poses_and_parts_that_are_no_table_are_refused() -> None:
+    for errors_m in (np.zeros((2, 1)), np.full((1, 1), -1.0)):
+        with pytest.raises(InvalidEvaluationError, match=r"errors_m of image 0 must be >= 0 and of shape \(1, 1\)"):
+            match_images([ImageErrors(errors_m, np.zeros(1), np.ones(1))])
 
 
 def changed(**changes) -> Evaluation:
