@@ -10,7 +10,7 @@ from typing import Annotated, Any
 
 import tyro
 
-from experiments.config import Compare, Run
+from experiments.config import Compare, Run, Tolerance
 from experiments.errors import UsageError
 
 USAGE = 2  # exit code of a wrong argument
@@ -34,8 +34,22 @@ def _run(config: Run) -> int:
     return run(config)
 
 
-_COMMAND: Any = Annotated[Compare, tyro.conf.subcommand("compare")] | Annotated[Run, tyro.conf.subcommand("run")]
-COMMANDS: dict[str, tuple[type[Any], Callable[[Any], int]]] = {"compare": (Compare, _compare), "run": (Run, _run)}
+def _tolerance(config: Tolerance) -> int:
+    from experiments.tolerance import tolerance  # noqa: PLC0415
+
+    return tolerance(config)
+
+
+_COMMAND: Any = (
+    Annotated[Compare, tyro.conf.subcommand("compare")]
+    | Annotated[Run, tyro.conf.subcommand("run")]
+    | Annotated[Tolerance, tyro.conf.subcommand("tolerance")]
+)
+COMMANDS: dict[str, tuple[type[Any], Callable[[Any], int]]] = {
+    "compare": (Compare, _compare),
+    "run": (Run, _run),
+    "tolerance": (Tolerance, _tolerance),
+}
 
 
 def main(arguments: Sequence[str] | None = None) -> None:

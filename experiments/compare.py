@@ -7,7 +7,7 @@ from tqdm import tqdm
 
 from cell.records import Count
 from experiments.config import Compare, writable_folder
-from experiments.experiment import ExperimentSpec, Result
+from experiments.experiment import ExperimentSpec, Result, run_experiment
 from experiments.pool import run_all
 from experiments.provenance import manifest, write_json
 from experiments.report import format_table
@@ -33,7 +33,7 @@ def compare(config: Compare) -> int:
     with (
         LogWriter(folder) as logs,
         tqdm(total=len(specs), unit="experiment", dynamic_ncols=True) as progress,
-        closing(run_all(specs, min(config.workers, len(specs)))) as stream,
+        closing(run_all(run_experiment, specs, config.workers)) as stream,
     ):
         try:
             for result in stream:

@@ -137,6 +137,62 @@ class Run:
         )
 
 
+@dataclass(frozen=True)
+class Tolerance:
+    """Measure how wrong a pose may be before the grasp fails: one attempt per trial, with an error of this size.
+
+    The error's direction, its axis and the share of shift and turn are random. Prints the share of parts placed and
+    what became of the others; writes tolerance.json and manifest.json to --out.
+    """
+
+    objects: tuple[str, ...] = ("antenna", "handle")
+    """Parts: names, or TOML files of your own."""
+    mdd_mm: tuple[float, ...] = (0, 2.5, 5, 7.5, 10, 12.5, 15, 20, 25, 30, 40, 60)
+    """Errors of the pose: largest distance by which a point of the part is off, mm, 0 to 100."""
+    trials: int = 40
+    """Attempts per part and error."""
+    seed: int = 0
+    """Root of all random numbers."""
+    speed: str = "ur-default"
+    """How fast the arm moves: ur-default, moderate, fast."""
+    jobs: int = 0
+    """Processes to run trials in; 0 takes one per core. The results do not depend on it."""
+    out: Path = Path("out/tolerance")
+    """Folder for the results; made if missing."""
+
+    def specs(self, part: str) -> list[ExperimentSpec]:
+        """One experiment with one part per trial.
+
+        Raises:
+            UsageError: an argument that cannot be.
+        """
+        _check_common(1, self.seed, "oracle", self.speed)
+        _at_least("--trials", self.trials, 1)
+        _at_least("--jobs", self.jobs, 0)
+        for mdd_mm in self.mdd_mm:
+            if not 0 <= mdd_mm <= 100:
+                raise UsageError(f"expected --mdd-mm in 0..100, got {mdd_mm:g}")
+        _check_part_and_method(part, "none", "paper")
+        return [
+            ExperimentSpec(
+                part=part,
+                method="none",
+                estimator="oracle",
+                thresholds=load_thresholds("paper"),
+                speed=self.speed,
+                parts=1,
+                seed=self.seed,
+                experiment=trial,
+            )
+            for trial in range(self.trials)
+        ]
+
+    @property
+    def workers(self) -> int:
+        """Processes to use."""
+        return self.jobs or os.cpu_count() or 1
+
+
 def _check_common(parts: int, seed: int, estimator: str, speed: str) -> None:
     container = Container()
     slots = container.rows * container.columns

@@ -8,7 +8,7 @@ import numpy as np
 
 from cell.cycle import Cycle, CycleConfig
 from cell.errors import CellError
-from cell.interfaces import Listener
+from cell.interfaces import Listener, MaskEstimator, PoseEstimator
 from cell.layout import Layout
 from cell.perception import Perception
 from cell.records import Count
@@ -116,15 +116,26 @@ def run_experiment(spec: ExperimentSpec, tell: Callable[[object, TruthBooth], No
     return Result(spec, count, failure, recorder.tables)
 
 
-def make_cycle(spec: ExperimentSpec, model: PartModel, booth: TruthBooth, listen: Listener) -> Cycle:
-    """The cell, set up and reset, with everything that one experiment needs."""
+Estimators = tuple[MaskEstimator, tuple[PoseEstimator, ...]]
+
+
+def make_cycle(
+    spec: ExperimentSpec,
+    model: PartModel,
+    booth: TruthBooth,
+    listen: Listener,
+    estimators: Estimators | None = None,
+) -> Cycle:
+    """The cell, set up and reset, with everything that one experiment needs; `estimators` replace the spec's."""
     method = make_method(spec.method, model.part.name, spec.thresholds)
     here = bench(spec.part, spec.parts, spec.hand_eye_error_mm)
     layout = here.world.layout
     here.world.reset(starting_poses(model, spec, layout))
     station = SimStation(here.world, here.camera, booth)
-    streams = Streams(spec.seed, spec.experiment, model.part.name)
-    detector, networks = make_estimators(spec.estimator, booth, model.part, load_noise(model.noise), streams)
+    if estimators is None:
+        streams = Streams(spec.seed, spec.experiment, model.part.name)
+        estimators = make_estimators(spec.estimator, booth, model.part, load_noise(model.noise), streams)
+    detector, networks = estimators
     return Cycle(
         station=station,
         referee=SimReferee(here.world, station),

@@ -1,30 +1,34 @@
-"""Runs many experiments in several processes; results come in the order of the specs for any number of workers."""
+"""Runs many tasks in several processes; results come in the order of the tasks for any number of workers."""
 
 import multiprocessing
 import os
 import signal
-from collections.abc import Generator, Sequence
+from collections.abc import Callable, Generator, Sequence
 from concurrent.futures import ProcessPoolExecutor
+from typing import TypeVar
 
-from experiments.experiment import ExperimentSpec, Result, run_experiment
+Task = TypeVar("Task")
+Result = TypeVar("Result")
 
 
-def run_all(specs: Sequence[ExperimentSpec], jobs: int) -> Generator[Result, None, None]:
-    """Yields one result per spec. Closing the iterator early drops what has not begun.
+def run_all(job: Callable[[Task], Result], tasks: Sequence[Task], jobs: int) -> Generator[Result, None, None]:
+    """Yields one result per task, in order. Closing the generator early drops what has not begun.
 
     Args:
-        specs: the experiments.
+        job: a module's function, so that other processes can import it.
+        tasks: what to call it with.
         jobs: worker processes; 1 runs in this one.
     """
-    if jobs == 1 or len(specs) <= 1:
-        yield from map(run_experiment, specs)
+    jobs = min(jobs, len(tasks))
+    if jobs <= 1:
+        yield from map(job, tasks)
         return
     # One thread per worker: the workers themselves fill the cores. Spawned, because OpenGL does not survive a fork.
     os.environ.setdefault("OMP_NUM_THREADS", "1")
     context = multiprocessing.get_context("spawn")
     pool = ProcessPoolExecutor(jobs, mp_context=context, initializer=_leave_interrupts_to_parent)
     try:
-        yield from pool.map(run_experiment, specs)
+        yield from pool.map(job, tasks)
     finally:
         pool.shutdown(wait=True, cancel_futures=True)
 

@@ -25,7 +25,12 @@ def manifest(config: object) -> dict[str, Any]:
 
 def write_json(path: Path, content: object) -> None:
     """Writes UTF-8 JSON with a final newline; refuses NaN, which JSON does not know."""
-    path.write_text(json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False, default=str) + "\n")
+    path.write_text(json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False, default=_plain) + "\n")
+
+
+def _plain(value: object) -> Any:
+    """Records as objects, paths as text."""
+    return asdict(value) if is_dataclass(value) and not isinstance(value, type) else str(value)
 
 
 def _git(*arguments: str) -> str | None:
