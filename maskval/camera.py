@@ -46,8 +46,9 @@ class Camera:
                 raise InvalidCameraError(f"{name} must be > 0 px, but is {getattr(self, name):g}")
         for name in ("width", "height"):
             size = getattr(self, name)
-            if size != int(size) or size < 1:
+            if not math.isfinite(size) or size != int(size) or size < 1:
                 raise InvalidCameraError(f"{name} must be a whole number of pixels >= 1, but is {size}")
+            object.__setattr__(self, name, int(size))
 
     @classmethod
     def from_K(cls, K: ArrayLike, width: int, height: int) -> Self:

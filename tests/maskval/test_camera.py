@@ -22,6 +22,11 @@ def test_a_camera_is_that_of_its_K() -> None:
     assert Camera.from_K(CAMERA.K, 640, 480) == CAMERA
 
 
+def test_a_size_of_whole_numbers_is_a_number_of_pixels() -> None:
+    camera = Camera(1, 1, 0, 0, 640.0, np.int64(480))
+    assert (type(camera.width), type(camera.height)) == (int, int)
+
+
 @pytest.mark.parametrize(
     ("make", "words"),
     [
@@ -29,6 +34,7 @@ def test_a_camera_is_that_of_its_K() -> None:
         (lambda: Camera(1, -600.0, 0, 0, 4, 4), "fy must be > 0 px, but is -600"),
         (lambda: Camera(1, 1, float("nan"), 0, 4, 4), "cx must be finite, but is nan"),
         (lambda: Camera(1, 1, 0, 0, 0, 4), "width must be a whole number of pixels >= 1, but is 0"),
+        (lambda: Camera(1, 1, 0, 0, float("inf"), 4), "width must be a whole number of pixels >= 1, but is inf"),
         (lambda: Camera(1, 1, 0, 0, 4, 4.5), "height must be a whole number of pixels >= 1, but is 4.5"),
         (lambda: Camera.from_K(np.eye(4), 4, 4), r"K must have shape \(3, 3\), but has \(4, 4\)"),
         (lambda: Camera.from_K([[1, 0, 0], [0, 1, 0], [0, 0, np.inf]], 4, 4), "K must be finite"),

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from maskval import Camera, InvalidMaskError, Mesh, PackedMasks, Pose, silhouette, silhouette_iou
+from maskval import Camera, InvalidMaskError, Mesh, PackedMasks, Pose, _kernel, silhouette, silhouette_iou
 from maskval.silhouette import Implementation
-from maskval.views import FULL_MARGIN_PX, NEAR_M
+from maskval.views import FULL_MARGIN_PX, NEAR_M, views
 from tests.maskval import shapes
 from tests.maskval.rasteriser import rasterise
 from tests.maskval.shapes import VGA
@@ -74,6 +74,14 @@ def crumpled(vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> shapes.
 
 def everything(vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> shapes.Arrays:
     return unwelded(*flipped(*opened(*crumpled(vertices, faces))))
+
+
+def test_a_crumpled_mesh_has_rows_that_are_sorted_by_counting() -> None:
+    mesh = Mesh(*crumpled(*shapes.torus()))
+    view = views(mesh.edges, shapes.random_poses(seed=6, count=1), VGA, pixel_center=0.0, canvas="full")
+    _, rows = _kernel._lines(mesh.edges, view, 0)
+    crossings = [np.count_nonzero((rows[:, 0] <= row) & (row < rows[:, 1])) for row in range(VGA.height)]
+    assert max(crossings) > 2 * _kernel.BUSY_ROW
 
 
 @pytest.mark.parametrize("spoil", [opened, flipped, unwelded, doubled, crumpled, everything])
