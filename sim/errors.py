@@ -23,3 +23,7 @@ class GraphicsError(SimError, RuntimeError):
 
 class NoiseFileError(SimError, ValueError):
     """An error model that is unknown, or whose file is unfit."""
+
+
+class MeshesMissingError(SimError, RuntimeError):
+    """The optional meshes of the arm were asked for and are not installed."""

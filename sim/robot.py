@@ -14,7 +14,8 @@ import numpy as np
 from cell.layout import Gripper, Layout
 from cell.ur10 import JOINT_LIMIT, TORQUE_LIMITS
 from maskval import Camera, Pose
-from sim.shells import Shell, arm_shells, mesh_shells
+from sim.maker_meshes import MakerMesh, maker_meshes
+from sim.shells import Shell, arm_shells
 
 JOINTS = ("shoulder", "upper_arm", "forearm", "wrist_1", "wrist_2", "wrist_3")  # each named as the link that it moves
 FINGERS = ("finger_left", "finger_right")
@@ -65,9 +66,10 @@ PAD_RGBA = (0.05, 0.05, 0.05, 1.0)
 
 def add_robot(spec: mujoco.MjSpec, layout: Layout, X_FC_true: Pose, use_meshes: bool) -> None:
     """Adds arm, gripper, wrist camera, servos and self-collision exclusions to `spec`."""
-    shells = mesh_shells(spec) if use_meshes else arm_shells()
+    looks = maker_meshes() if use_meshes else None
+    shells = arm_shells()
     body = spec.worldbody.add_body(name="base")
-    _add_shells(body, shells["base"])
+    _dress(spec, body, shells["base"], looks)
     for link in _LINKS:
         body = body.add_body(name=link.name, pos=link.position, quat=link.quaternion_wxyz, gravcomp=1.0)
         body.mass, body.ipos, body.inertia = link.mass, link.center_of_mass, _rod_inertia(link.mass)
@@ -82,7 +84,7 @@ def add_robot(spec: mujoco.MjSpec, layout: Layout, X_FC_true: Pose, use_meshes: 
             actfrclimited=mujoco.mjtLimited.mjLIMITED_TRUE,
             actgravcomp=True,
         )
-        _add_shells(body, shells[link.name])
+        _dress(spec, body, shells[link.name], looks)
     for index, link in enumerate(_LINKS):
         spec.joint(link.name).actfrcrange = (-TORQUE_LIMITS[index], TORQUE_LIMITS[index])
         actuator = spec.add_actuator(name=link.name, target=link.name, trntype=mujoco.mjtTrn.mjTRN_JOINT)
@@ -102,9 +104,20 @@ def _rod_inertia(mass: float) -> tuple[float, float, float]:
     return (0.01 * mass, 0.01 * mass, 0.005 * mass)
 
 
-def _add_shells(body: mujoco.MjsBody, shells: tuple[Shell, ...]) -> None:
+def _dress(
+    spec: mujoco.MjSpec, body: mujoco.MjsBody, shells: tuple[Shell, ...], looks: dict[str, list[MakerMesh]] | None
+) -> None:
+    """Gives a link its shells; with meshes to look at, they are hidden, but it is them that collide all the same."""
     for shell in shells:
-        shell.add_to(body)
+        if shell.solid or looks is None:
+            shell.add_to(body, hidden=looks is not None)
+    for index, piece in enumerate(looks[body.name] if looks else ()):
+        name = f"{body.name}_look_{index}"
+        mesh = spec.add_mesh(name=name, inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL)
+        mesh.uservert, mesh.userface = piece.vertices.ravel(), piece.faces.ravel()
+        body.add_geom(
+            type=mujoco.mjtGeom.mjGEOM_MESH, meshname=name, rgba=piece.rgba, contype=0, conaffinity=0, density=0.0
+        )
 
 
 def _add_gripper(spec: mujoco.MjSpec, flange: mujoco.MjsBody, gripper: Gripper) -> None:

@@ -80,7 +80,8 @@ def _set_options(spec: mujoco.MjSpec) -> None:
     option.jacobian = mujoco.mjtJacobian.mjJAC_DENSE  # 4.0.0's sparse Newton solver has a defect (issue 3767)
     option.enableflags |= mujoco.mjtEnableBit.mjENBL_SLEEP
     spec.visual.quality.offsamples = 0  # without multisampling masks and depths are exact
-    spec.visual.quality.shadowsize = 4096
+    spec.visual.quality.shadowsize = 8192
+    spec.visual.map.shadowclip = 2.0  # the shadows' map reaches beyond the floor that is seen
     getattr(spec.visual, "global").offwidth = 1920
     getattr(spec.visual, "global").offheight = 1080
     spec.visual.map.znear = 0.005
@@ -124,7 +125,9 @@ def _add_surroundings(spec: mujoco.MjSpec, layout: Layout) -> None:
         light = world.add_light(pos=pos, dir=direction, castshadow=shadow)
         light.type = mujoco.mjtLightType.mjLIGHT_DIRECTIONAL
         light.diffuse, light.specular = [strength] * 3, [0.4 * strength] * 3
-    world.add_camera(name="overview", pos=(2.05, -1.75, 1.15), xyaxes=(0.72, 0.69, 0.0, -0.35, 0.365, 0.862), fovy=42)
+    world.add_camera(
+        name="overview", pos=(2.35, -1.75, 1.25), xyaxes=(0.6224, 0.7827, -0.0000, -0.3101, 0.2466, 0.9182), fovy=38
+    )
 
 
 def _add_belt(spec: mujoco.MjSpec, belt: Belt, floor_z: float) -> None:
