@@ -1,6 +1,7 @@
 """`graspcell compare`: the main job."""
 
 from collections.abc import Sequence
+from concurrent.futures.process import BrokenProcessPool
 from contextlib import closing
 
 from tqdm import tqdm
@@ -13,23 +14,27 @@ from experiments.provenance import manifest, write_json
 from experiments.report import format_table
 from experiments.store import LogWriter
 from experiments.table import Cell, make_cell
+from sim.errors import SimError
 from sim.parts import load_part
 
 INTERRUPTED = 130  # the exit code of a command that Ctrl-C ended
+WORKER_DIED = 1
 
 
 def compare(config: Compare) -> int:
     """Runs all experiments, prints the table and writes the results; returns the exit code.
 
-    Ctrl-C keeps what is finished: the table, the logs and the manifest are written for it.
+    Ctrl-C keeps what is finished: the table, the logs and the manifest are written for it. So does the death of a
+    worker process.
 
     Raises:
         UsageError: an argument that cannot be.
+        SimError: the cell cannot be set up.
     """
     specs = config.specs()
     folder = writable_folder(config.out)
     results: list[Result] = []
-    interrupted = False
+    ended_early: tuple[str, int] | None = None  # by what, and the exit code
     with (
         LogWriter(folder) as logs,
         tqdm(total=len(specs), unit="experiment", dynamic_ncols=True) as progress,
@@ -42,7 +47,12 @@ def compare(config: Compare) -> int:
                 progress.set_postfix_str(f"{result.spec.part} × {result.spec.method}", refresh=False)
                 progress.update()
         except KeyboardInterrupt:
-            interrupted = True
+            ended_early = "interrupted", INTERRUPTED
+        except BrokenProcessPool:
+            ended_early = "a worker process died (out of memory?); ended", WORKER_DIED
+        except SimError:
+            progress.leave = False  # the error shall be the only line
+            raise
     cells = make_cells(specs, results)
     write_json(folder / "table.json", {"cells": [cell.as_json() for cell in cells]})
     write_json(
@@ -54,9 +64,10 @@ def compare(config: Compare) -> int:
         if result.failure is not None:
             spec = result.spec
             print(f"failed: {spec.part} × {spec.method}, experiment {spec.experiment}: {result.failure}")
-    if interrupted:
-        print(f"interrupted after {len(results)} of {len(specs)} experiments; what is finished is in {folder}")
-        return INTERRUPTED
+    if ended_early is not None:
+        reason, code = ended_early
+        print(f"{reason} after {len(results)} of {len(specs)} experiments; what is finished is in {folder}")
+        return code
     print(f"results in {folder}")
     return 0
 

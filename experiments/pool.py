@@ -3,8 +3,9 @@
 import multiprocessing
 import os
 import signal
-from collections.abc import Callable, Generator, Sequence
+from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
+from contextlib import contextmanager
 from typing import TypeVar
 
 Task = TypeVar("Task")
@@ -12,12 +13,15 @@ Result = TypeVar("Result")
 
 
 def run_all(job: Callable[[Task], Result], tasks: Sequence[Task], jobs: int) -> Generator[Result, None, None]:
-    """Yields one result per task, in order. Closing the generator early drops what has not begun.
+    """Yields one result per task, in order. Closing the generator early ends the workers at once.
 
     Args:
         job: a module's function, so that other processes can import it.
         tasks: what to call it with.
         jobs: worker processes; 1 runs in this one.
+
+    Raises:
+        BrokenProcessPool: a worker died, for want of memory for example.
     """
     jobs = min(jobs, len(tasks))
     if jobs <= 1:
@@ -25,13 +29,27 @@ def run_all(job: Callable[[Task], Result], tasks: Sequence[Task], jobs: int) -> 
         return
     # One thread per worker: the workers themselves fill the cores. Spawned, because OpenGL does not survive a fork.
     os.environ.setdefault("OMP_NUM_THREADS", "1")
-    context = multiprocessing.get_context("spawn")
-    pool = ProcessPoolExecutor(jobs, mp_context=context, initializer=_leave_interrupts_to_parent)
+    before = set(multiprocessing.active_children())
+    pool = ProcessPoolExecutor(jobs, mp_context=multiprocessing.get_context("spawn"))
     try:
-        yield from pool.map(job, tasks)
+        with _interrupts_ignored():
+            futures = [pool.submit(job, task) for task in tasks]
+        for future in futures:
+            yield future.result()
+    except BaseException:
+        # Nothing is cancelled: Python 3.11's pool trips over cancelled tasks when its workers end.
+        for worker in set(multiprocessing.active_children()) - before:
+            worker.terminate()
+        raise
     finally:
-        pool.shutdown(wait=True, cancel_futures=True)
+        pool.shutdown()
 
 
-def _leave_interrupts_to_parent() -> None:
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+@contextmanager
+def _interrupts_ignored() -> Iterator[None]:
+    """Processes started meanwhile never hear Ctrl-C, which a terminal sends to all: ending them is the parent's job."""
+    previous = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, previous)

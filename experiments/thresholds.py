@@ -7,8 +7,10 @@ from pathlib import Path
 from typing import Any
 
 from experiments.errors import UsageError
+from maskval.ensemble import ENSEMBLE_MAXIMUM_M
 
 _PRESETS = files("experiments") / "presets"
+_FORM = "expected refine = u, [grasp.OBJECT] with METHOD = u and [ensemble_add_minimum_m] with OBJECT = m"
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,7 +52,10 @@ def load_thresholds(name_or_file: str) -> Thresholds:
         path = Path(name_or_file)
         if not path.is_file():
             raise UsageError(f"threshold file {name_or_file} does not exist")
-        text = path.read_text()
+        try:
+            text = path.read_text(encoding="utf-8")
+        except (OSError, UnicodeDecodeError) as error:
+            raise UsageError(f"threshold file {name_or_file} cannot be read: {error}") from error
     else:
         known = sorted(Path(entry.name).stem for entry in _PRESETS.iterdir() if entry.name.endswith(".toml"))
         if name_or_file not in known:
@@ -67,13 +72,29 @@ def load_thresholds(name_or_file: str) -> Thresholds:
                 part: {method: _in_unit_interval(f"grasp.{part}.{method}", u) for method, u in row.items()}
                 for part, row in table["grasp"].items()
             },
-            ensemble_add_minimum={part: float(value) for part, value in table["ensemble_add_minimum_m"].items()},
+            ensemble_add_minimum={
+                part: _minimum(f"ensemble_add_minimum_m.{part}", value)
+                for part, value in table["ensemble_add_minimum_m"].items()
+            },
         )
-    except (tomllib.TOMLDecodeError, KeyError, TypeError, AttributeError) as error:
-        raise UsageError(f"thresholds {name_or_file}: {type(error).__name__} {error}") from error
+    except KeyError as missing:
+        raise UsageError(f"thresholds {name_or_file}: the key {missing} is missing; {_FORM}") from missing
+    except (tomllib.TOMLDecodeError, AttributeError, ValueError) as error:
+        what = "a table is no table" if isinstance(error, AttributeError) else error
+        raise UsageError(f"thresholds {name_or_file}: {what}; {_FORM}") from error
 
 
 def _in_unit_interval(key: str, value: Any) -> float:
-    if not isinstance(value, int | float) or not 0.0 <= value <= 1.0:
-        raise UsageError(f"expected {key} in [0, 1], got {value!r}")
+    if not _is_number(value) or not 0.0 <= value <= 1.0:
+        raise ValueError(f"expected {key} in [0, 1], got {value!r}")
     return float(value)
+
+
+def _minimum(key: str, value: Any) -> float:
+    if not _is_number(value) or not 0.0 <= value < ENSEMBLE_MAXIMUM_M:
+        raise ValueError(f"expected {key} in [0, {ENSEMBLE_MAXIMUM_M:g}) m, got {value!r}")
+    return float(value)
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
