@@ -18,16 +18,16 @@ from maskval.estimates import Estimates, NoUncertainty, UncertaintyMethod
 from maskval.evaluation import NO_PART, Counting, Evaluation, ImageErrors, match_images
 from maskval.geometry import Pose, angle_between
 from maskval.intervals import bootstrap_mean_interval, proportion_interval
+from maskval.mask_agreement import MaskVal, Uncertainties, maskval_uncertainty, uncertainty
 from maskval.masks import PackedMasks, mask_from_rle, mask_iou, rle_counts
 from maskval.mesh import Mesh
 from maskval.metrics import RecallCurve, rates, recall_curve
 from maskval.pose_error import add, add_s, mdd, mspd, mssd, rotation_error, translation_error
 from maskval.ranking import aurc, auroc, bootstrap_interval, spearman
-from maskval.silhouette import Silhouette, silhouette, silhouette_boxes, silhouette_iou
+from maskval.silhouettes import Silhouette, silhouette, silhouette_boxes, silhouette_iou
 from maskval.symmetry import SymmetryAxis, symmetry_poses
 from maskval.thresholds import Certificate, certified_threshold, conformal_threshold, paper_threshold
-from maskval.uncertainty import MaskVal, Uncertainties, maskval_uncertainty, uncertainty
-from maskval.vsd import vsd
+from maskval.visible_surface import vsd
 
 __all__ = [
     "NO_PART",

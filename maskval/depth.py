@@ -12,7 +12,7 @@ from maskval._reference import homogeneous
 from maskval.camera import Camera
 from maskval.geometry import Pose
 from maskval.mesh import Mesh
-from maskval.silhouette import Implementation
+from maskval.silhouettes import Implementation
 from maskval.views import CLIPPED, UNSEEN, Views, views
 
 

@@ -1,4 +1,4 @@
-"""How far an estimated pose is from the true one, by BOP's definitions (VSD is in `maskval.vsd`).
+"""How far an estimated pose is from the true one, by BOP's definitions (VSD is in `maskval.visible_surface`).
 
 X_AO is the pose of the object in any frame A, X_CO that in the camera's. All points are the model's.
 """

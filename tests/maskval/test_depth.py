@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 from maskval import Camera, InvalidPoseError, Mesh, Pose, silhouette, silhouette_boxes
 from maskval.depth import depth_crop, depth_image
 from maskval.views import NEAR_M
-from maskval.vsd import vsd
+from maskval.visible_surface import vsd
 from tests.maskval import shapes
 from tests.maskval.shapes import VGA
 from tests.maskval.test_silhouette import SMALL, both, both_shapes, everything, flipped

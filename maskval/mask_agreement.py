@@ -9,25 +9,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from maskval.association import UNMATCHED, Rule, associate
 from maskval.camera import Camera
-from maskval.ensemble import EnsembleAdd
 from maskval.errors import InvalidEstimatesError, InvalidMaskError
-from maskval.estimates import Estimates, NoUncertainty, UncertaintyMethod
+from maskval.estimates import Estimates
 from maskval.geometry import Pose
 from maskval.masks import PackedMasks
 from maskval.mesh import Mesh
-from maskval.silhouette import silhouette_iou
+from maskval.silhouettes import silhouette_iou
 from maskval.views import Canvas
-
-__all__ = [
-    "EnsembleAdd",
-    "Estimates",
-    "MaskVal",
-    "NoUncertainty",
-    "Uncertainties",
-    "UncertaintyMethod",
-    "maskval_uncertainty",
-    "uncertainty",
-]
 
 # The paper's sensitivity towards the visibility.
 ALPHA = 0.8

@@ -8,7 +8,7 @@ import pytest
 from numpy.typing import NDArray
 
 from maskval import Camera, InvalidMaskError, Mesh, PackedMasks, Pose, _kernel, silhouette, silhouette_iou
-from maskval.silhouette import Implementation
+from maskval.silhouettes import Implementation
 from maskval.views import FULL_MARGIN_PX, NEAR_M, views
 from tests.maskval import shapes
 from tests.maskval.rasteriser import rasterise
