@@ -12,7 +12,7 @@ import trimesh
 from numpy.typing import NDArray
 
 from cell.part import Grasp, Part
-from maskval import Mesh, Pose
+from maskval import MaskvalError, Mesh, Pose
 from sim.errors import PartFileError
 from sim.meshing import Curves, bow_curves, convex_pieces, fin_curves, join
 
@@ -63,43 +63,61 @@ def load_part(name_or_file: str) -> PartModel:
         path = Path(name_or_file)
         if not path.is_file():
             raise PartFileError(f"part file {name_or_file} does not exist")
-        return _build(tomllib.loads(path.read_text()), path.parent, name_or_file)
+        return _read(path.read_text(), path.parent, name_or_file)
     if name_or_file not in part_names():
         raise PartFileError(
             f"unknown object {name_or_file!r}: expected one of {', '.join(part_names())}, or the path of a .toml file"
         )
-    text = (_PART_FOLDER / f"{name_or_file}.toml").read_text()
-    return _build(tomllib.loads(text), Path(), name_or_file)
+    return _read((_PART_FOLDER / f"{name_or_file}.toml").read_text(), Path(), name_or_file)
+
+
+def _read(text: str, folder: Path, source: str) -> PartModel:
+    try:
+        return _build(tomllib.loads(text), folder, source)
+    except KeyError as missing:
+        raise PartFileError(f"{source}: the key {missing} is missing") from missing
+    except (tomllib.TOMLDecodeError, MaskvalError, TypeError, ValueError) as error:
+        raise error if isinstance(error, PartFileError) else PartFileError(f"{source}: {error}") from error
 
 
 def _build(table: dict[str, Any], folder: Path, source: str) -> PartModel:
-    try:
-        mesh, pieces = _shape(table["mesh"], folder)
-        check_mesh(mesh, source)
-        mesh.density = table["mass_kg"] / mesh.volume
-        part = Part(
+    mesh, pieces = _shape(table["mesh"], folder)
+    check_mesh(mesh, source)
+    mass = _positive("mass_kg", table["mass_kg"])
+    mesh.density = mass / mesh.volume
+    slot_x, slot_y = _vector("slot.size_mm", table["slot"]["size_mm"], 2) / 1000.0
+    red, green, blue, alpha = _vector("rgba", table["rgba"], 4)
+    return PartModel(
+        part=Part(
             name=table["name"],
             mesh=Mesh(mesh.vertices, mesh.faces),
             grasps=tuple(_grasp(row) for row in table["grasps"]),
-            slot_size=(table["slot"]["size_mm"][0] / 1000.0, table["slot"]["size_mm"][1] / 1000.0),
-        )
-        return PartModel(
-            part=part,
-            pieces=pieces,
-            mass=table["mass_kg"],
-            center_of_mass=np.array(mesh.center_mass),
-            inertia=np.array(mesh.moment_inertia),
-            friction=table["friction"],
-            rgba=tuple(table["rgba"]),
-            specular=table["specular"],
-            shininess=table["shininess"],
-            resting_poses=resting_poses(mesh),
-            noise=table.get("noise", table["name"]),
-        )
-    except KeyError as missing:
-        raise PartFileError(f"{source}: the key {missing} is missing") from missing
-    except (TypeError, ValueError) as error:
-        raise PartFileError(f"{source}: {error}") from error
+            slot_size=(_positive("slot.size_mm", slot_x), _positive("slot.size_mm", slot_y)),
+        ),
+        pieces=pieces,
+        mass=mass,
+        center_of_mass=np.array(mesh.center_mass),
+        inertia=np.array(mesh.moment_inertia),
+        friction=_positive("friction", table["friction"]),
+        rgba=(float(red), float(green), float(blue), float(alpha)),
+        specular=float(table["specular"]),
+        shininess=float(table["shininess"]),
+        resting_poses=resting_poses(mesh),
+        noise=table.get("noise", table["name"]),
+    )
+
+
+def _positive(key: str, value: float) -> float:
+    if not value > 0:
+        raise ValueError(f"expected {key} above 0, got {value:g}")
+    return float(value)
+
+
+def _vector(key: str, values: Any, length: int) -> NDArray[np.float64]:
+    array = np.asarray(values, dtype=np.float64)
+    if array.shape != (length,) or not np.isfinite(array).all():
+        raise ValueError(f"expected {key} to be {length} numbers, got {values}")
+    return array
 
 
 def _shape(table: dict[str, Any], folder: Path) -> tuple[trimesh.Trimesh, tuple[trimesh.Trimesh, ...]]:
@@ -160,6 +178,6 @@ def resting_poses(mesh: trimesh.Trimesh) -> tuple[RestingPose, ...]:
 
 
 def _grasp(row: dict[str, Any]) -> Grasp:
-    approach, closing = np.array(row["approach"], float), np.array(row["closing"], float)
-    rotation = np.column_stack([np.cross(closing, approach), closing, approach])
-    return Grasp(row["name"], Pose(rotation, np.array(row["tcp_mm"]) / 1000.0), row["half_opening_mm"] / 1000.0)
+    approach, closing, tcp_mm = (_vector(key, row[key], 3) for key in ("approach", "closing", "tcp_mm"))
+    X_OT = Pose(np.column_stack([np.cross(closing, approach), closing, approach]), tcp_mm / 1000.0)
+    return Grasp(row["name"], X_OT, _positive("half_opening_mm", row["half_opening_mm"]) / 1000.0)

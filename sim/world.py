@@ -75,7 +75,7 @@ class World:
             DivergenceError: the parts do not come to rest in finite numbers.
         """
         mujoco.mj_resetData(self.model, self.data)
-        self.move_belt(0.0)
+        self.model.geom_surfacevel[self._belt, SURFACE_VELOCITY_Y] = 0.0  # the model's, so not part of the reset data
         self.data.qpos[self._arm] = self.q_home
         for address, pose in zip(self._free_joints, X_WO, strict=True):
             self.data.qpos[address : address + 3] = pose.translation
@@ -118,13 +118,10 @@ class World:
 
     def move_belt(self, speed: float) -> None:
         """Sets the speed of the belt's surface along W's y, m/s, and wakes the parts that lie on it."""
-        moving = self.model.geom_surfacevel[self._belt, SURFACE_VELOCITY_Y] != 0.0
         self.model.geom_surfacevel[self._belt, SURFACE_VELOCITY_Y] = speed
-        self.model.flg_surfacevel = 1
-        if speed != 0.0 or moving:
-            nudge = 1e-2  # m/s: sleeping parts are not woken by the surface under them
-            for body in self._bodies:
-                self.data.qvel[self.model.body_dofadr[body] + SURFACE_VELOCITY_Y] += nudge
+        nudge = 1e-2  # m/s: sleeping parts are not woken by the surface under them
+        for body in self._bodies:
+            self.data.qvel[self.model.body_dofadr[body] + SURFACE_VELOCITY_Y] += nudge
 
     def step(self) -> None:
         """One period of the robot's controller."""

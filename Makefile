@@ -1,0 +1,34 @@
+# `make run` and `make test` do everything on a fresh machine: system libraries, virtual environment, install, job.
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+OUT ?= out/compare
+READY := $(VENV)/.ready
+
+.PHONY: run test check study picture clean
+
+run: $(READY)
+	$(BIN)/graspcell compare --out $(OUT)
+
+test: $(READY)
+	$(BIN)/python -m pytest -m "not study"
+
+check: $(READY)
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+# Measured trials of minutes: not part of `make test`.
+study: $(READY)
+	$(BIN)/python -m pytest -m study
+
+$(READY): pyproject.toml constraints.txt
+	sh .ci/system-libraries
+	$(PYTHON) -c 'import sys; sys.exit(None if sys.version_info >= (3, 11) else "Python 3.11 or newer is needed: make PYTHON=python3.12 ...")'
+	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[dev]'
+	touch $@
+
+clean:
+	rm -rf $(VENV) out .pytest_cache .mypy_cache .ruff_cache
