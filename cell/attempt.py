@@ -128,7 +128,7 @@ class Attempt:
         try:
             contact = motion()
         except Unreachable as unreachable:
-            self._end(str(unreachable), None, None)
+            self._end(str(unreachable), None, retreat)
         if contact is None:
             return
         if retreat is None:

@@ -6,6 +6,7 @@ from cell.attempt import Attempt
 from cell.errors import PolicyError
 from cell.interfaces import (
     Action,
+    Contact,
     Decision,
     Listener,
     Observation,
@@ -103,7 +104,7 @@ class Cycle:
     def _run_view(self, deadline: float) -> Outcome | None:
         """One view of the search run, its second looks and the attempt that may follow; None without one."""
         self._enter(State.SEARCH, f"view {self._view}")
-        contact = self._motion.to_camera(self._search.view(self._view))
+        contact = self._move_camera(self._search.view(self._view))
         for look in range(self._config.refinements + 1):
             if contact is not None:
                 return self._referee.verdict(contact)
@@ -116,11 +117,20 @@ class Cycle:
             X_BC = self._refinement_view(seen)
             self._enter(State.REFINE, f"detection {seen.decision.detection}")
             try:
-                contact = self._motion.to_camera(X_BC)
+                contact = self._move_camera(X_BC)
             except Unreachable as reason:
                 self._enter(State.SEARCH, str(reason))
                 return None
         return None
+
+    def _move_camera(self, X_BC: Pose) -> Contact | None:
+        """Moves the camera; after a contact back to where the move began, with nothing watched on that way."""
+        q_before = self._station.q
+        contact = self._motion.to_camera(X_BC)
+        if contact is not None:
+            self._enter(State.RETREAT, f"{contact.force:.0f} N against {contact.touch}")
+            self._motion.to_joints(q_before, watch=frozenset())
+        return contact
 
     def _look(self, refining: bool) -> Seen:
         self._enter(State.LOOK, "camera in place")
@@ -183,6 +193,8 @@ def _decide(policy: Policy, observation: Observation) -> Decision:
         decision = policy.decide(observation)
     except Exception as error:
         raise PolicyError(f"{who}: raised {type(error).__name__}: {error}") from error
+    if not isinstance(decision, Decision):
+        raise PolicyError(f"{who}: expected a cell.interfaces.Decision, got {type(decision).__name__}")
     count = len(observation.detections)
     if decision.action is not Action.SEARCH and decision.detection not in range(count):
         raise PolicyError(

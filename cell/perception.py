@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from numbers import Real
 from typing import TypeVar
 
 import numpy as np
@@ -58,9 +59,10 @@ class Perception:
             scores=np.array([detection.score for detection in detections]),
             pixel_center=self.pixel_center,
         )
-        u = _asked(self.method, frame, lambda: np.asarray(self.method(estimates), dtype=np.float64))
+        u = _asked(self.method, frame, lambda: np.array(self.method(estimates), dtype=np.float64))
         if u.shape != (len(detections),) or not np.all((u >= 0.0) & (u <= 1.0)):
             raise _refusal(self.method, frame, f"expected {len(detections)} uncertainties in [0, 1], got {u}")
+        u.setflags(write=False)
         return u
 
 
@@ -68,12 +70,18 @@ def _detect(detector: MaskEstimator, frame: Frame) -> tuple[Detection, ...]:
     detections = _asked(detector, frame, lambda: tuple(detector.detect(frame)))
     size = (frame.camera.height, frame.camera.width)
     for index, detection in enumerate(detections):
+        if not isinstance(detection, Detection):
+            raise _refusal(
+                detector,
+                frame,
+                f"expected detection {index} to be a cell.interfaces.Detection, got {type(detection).__name__}",
+            )
         mask = np.asarray(detection.mask)
         if mask.shape != size or mask.dtype != np.bool_:
             raise _refusal(
                 detector, frame, f"expected mask {index} to be bool of shape {size}, got {mask.dtype} of {mask.shape}"
             )
-        if not 0.0 <= detection.score <= 1.0:
+        if not (isinstance(detection.score, Real) and 0.0 <= detection.score <= 1.0):
             raise _refusal(detector, frame, f"expected score {index} in [0, 1], got {detection.score}")
     return tuple(sorted(detections, key=lambda detection: -detection.score))
 

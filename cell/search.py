@@ -22,7 +22,7 @@ class SearchRun:
     def view(self, index: int) -> Pose:
         """The index-th view of an endless run to and fro; the ends are looked at once per turn."""
         last = len(self.views) - 1
-        position = index % (2 * last)
+        position = index % max(2 * last, 1)
         return self.views[min(position, 2 * last - position)]
 
 
@@ -30,7 +30,7 @@ def search_run(layout: Layout) -> SearchRun:
     """Views over the loaded stretch of the belt, beginning at the end away from the container."""
     belt = layout.belt
     half_view = SEARCH_DISTANCE * layout.camera.width / (2 * layout.camera.fx)
-    reach = belt.loading_length / 2 - half_view
+    reach = max(belt.loading_length / 2 - half_view, 0.0)
     count = int(np.ceil(2 * reach / SEARCH_STEP)) + 1
     X_BW = layout.X_WB.inverse()
     points_W = [np.array([belt.center_x, y, belt.top_z]) for y in np.linspace(reach, -reach, count)]
