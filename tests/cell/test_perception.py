@@ -1,0 +1,187 @@
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+import pytest
+
+from cell.errors import EstimatorError
+from cell.interfaces import Detection, Frame, Image, Observation
+from cell.perception import Perception
+from maskval import EnsembleAdd, Pose
+from tests.fakes import FakeMasks, FakeMethod, FakePoses, FakeStation, brick, on_belt, small_layout, turned
+
+LAYOUT = small_layout()
+SIZE = (LAYOUT.camera.height, LAYOUT.camera.width)
+X_BO = on_belt(brick(), LAYOUT, turned())
+
+
+def perception(
+    detector: Any = None, estimators: Sequence[Any] | None = None, method: Any = None, pixel_center: float = 0.5
+) -> Perception:
+    return Perception(
+        brick(), detector or FakeMasks(), tuple(estimators or [FakePoses([X_BO])]), method or FakeMethod(), pixel_center
+    )
+
+
+def look(seeing: Perception, station: FakeStation | None = None, refining: bool = False) -> Observation:
+    return seeing.look(station or FakeStation(LAYOUT), refining)
+
+
+def test_detections_come_best_score_first_and_equal_ones_in_the_detectors_order():
+    observation = look(perception(FakeMasks([[0.3, 0.9, 0.5, 0.9]])))
+    assert [detection.score for detection in observation.detections] == [0.9, 0.9, 0.5, 0.3]
+    # Detection i of the detector is the pixel (i, i).
+    assert [int(detection.mask.argmax()) // SIZE[1] for detection in observation.detections] == [1, 3, 2, 0]
+
+
+def test_estimators_and_method_are_given_the_detections_in_that_order():
+    poses, method = FakePoses([X_BO]), FakeMethod()
+    observation = look(perception(FakeMasks([[0.3, 0.9]]), [poses], method, pixel_center=0.25))
+    assert [detection.score for detection in poses.given[0]] == [0.9, 0.3]
+    estimates = method.given[0]
+    assert estimates.scores.tolist() == [0.9, 0.3]
+    np.testing.assert_array_equal(estimates.masks, [detection.mask for detection in observation.detections])
+    assert estimates.poses == observation.poses
+    assert estimates.camera is LAYOUT.camera
+    assert estimates.pixel_center == 0.25
+
+
+def test_a_frame_without_detections_is_an_observation_without_uncertainties():
+    observation = look(perception(FakeMasks([[]])))
+    assert observation.detections == ()
+    assert observation.poses == ((),)
+    assert observation.uncertainties.shape == (0,)
+
+
+@pytest.mark.parametrize("refining", [False, True])
+def test_an_observation_says_whether_it_is_a_second_look(refining):
+    assert look(perception(), refining=refining).refining is refining
+
+
+@pytest.mark.parametrize(("needed", "time"), [(1, 0.5 + 0.25), (2, 0.5 + 0.25 + 2.0), (3, 0.5 + 0.25 + 2.0 + 8.0)])
+def test_the_clock_is_charged_for_the_detector_and_the_networks_that_the_method_needs(needed, time):
+    station = FakeStation(LAYOUT)
+    estimators = [FakePoses([X_BO], inference_time=cost) for cost in (0.25, 2.0, 8.0)]
+    observation = look(perception(FakeMasks(inference_time=0.5), estimators, FakeMethod(estimators=needed)), station)
+    assert station.time == time
+    assert observation.frame.time == 0.0, "the picture was taken before the networks ran"
+    assert [len(estimator.given) for estimator in estimators] == [1] * needed + [0] * (3 - needed)
+    assert len(observation.poses) == needed
+
+
+def test_all_images_that_a_network_in_use_reads_are_taken_and_no_others():
+    station = FakeStation(LAYOUT)
+    estimators = [FakePoses([X_BO], images=frozenset(images)) for images in ((), {Image.RGB})]
+    detector = FakeMasks(images=frozenset({Image.DEPTH}))
+    look(perception(detector, estimators, FakeMethod(estimators=1)), station)
+    look(perception(detector, estimators, FakeMethod(estimators=2)), station)
+    assert station.images == [{Image.DEPTH}, {Image.DEPTH, Image.RGB}]
+
+
+class Answering(FakeMasks, FakePoses):
+    """A detector and an estimator that answers whatever it is told to."""
+
+    def __init__(self, answer: Callable[[], Any]) -> None:
+        FakePoses.__init__(self, [X_BO])
+        self._answer = answer
+
+    def detect(self, frame: Frame) -> Any:
+        return self._answer()
+
+    def estimate(self, frame: Frame, detections: Sequence[Detection]) -> Any:
+        return self._answer()
+
+
+class Judging(FakeMethod):
+    """A method that answers whatever it is told to."""
+
+    def __init__(self, answer: Callable[[], Any]) -> None:
+        super().__init__()
+        self._answer = answer
+
+    def __call__(self, estimates: object) -> Any:
+        return self._answer()
+
+
+def raising() -> Any:
+    raise FloatingPointError("the loss went to the moon")
+
+
+def assert_refused(seeing: Perception, who: str, *words: str) -> None:
+    """The second frame, of index 1, is refused in the name of the one to blame."""
+    station = FakeStation(LAYOUT)
+    station.take_frame(frozenset())
+    with pytest.raises(EstimatorError) as refusal:
+        look(seeing, station)
+    message = str(refusal.value)
+    assert message.startswith(f"{who} on frame 1: ")
+    for word in words:
+        assert word in message
+
+
+GOOD_MASK = np.zeros(SIZE, dtype=bool)
+BAD_DETECTIONS = [
+    (raising, "raised FloatingPointError: the loss went to the moon"),
+    (lambda: None, "raised TypeError"),
+    (lambda: [GOOD_MASK], "expected detection 0 to be a cell.interfaces.Detection, got ndarray"),
+    (lambda: [Detection(GOOD_MASK, 0.9), Detection(GOOD_MASK.T, 0.9)], f"mask 1 to be bool of shape {SIZE}"),
+    (lambda: [Detection(GOOD_MASK.astype(np.uint8), 0.9)], "mask 0 to be bool", ", got uint8"),
+    (lambda: [Detection(GOOD_MASK, 1.5)], "score 0 in [0, 1], got 1.5"),
+    (lambda: [Detection(GOOD_MASK, -0.5)], "score 0 in [0, 1], got -0.5"),
+    (lambda: [Detection(GOOD_MASK, float("nan"))], "score 0 in [0, 1], got nan"),
+    (lambda: [Detection(GOOD_MASK, None)], "score 0 in [0, 1], got None"),
+]
+
+
+@pytest.mark.parametrize(("answer", "words"), [(answer, words) for answer, *words in BAD_DETECTIONS])
+def test_a_detector_that_returns_rubbish_is_refused_by_name_and_frame(answer, words):
+    assert_refused(perception(detector=Answering(answer)), "Answering", *words)
+
+
+BAD_POSES = [
+    (raising, "raised FloatingPointError: the loss went to the moon"),
+    (lambda: None, "raised TypeError"),
+    (lambda: [X_BO], "expected 2 poses, one per detection, got 1"),
+    (lambda: [X_BO] * 3, "expected 2 poses, one per detection, got 3"),
+    (lambda: [X_BO, X_BO.matrix], "expected pose 1 to be a maskval.Pose, got ndarray"),
+    (lambda: [Pose(np.eye(3), np.array([0.0, 0.0, np.nan]))] * 2, "raised InvalidPoseError"),
+    (lambda: [Pose(np.full((3, 3), 1.0), np.zeros(3))] * 2, "raised InvalidPoseError"),
+]
+
+
+@pytest.mark.parametrize(("answer", "words"), [(answer, words) for answer, *words in BAD_POSES])
+@pytest.mark.parametrize("position", [0, 1])
+def test_a_pose_estimator_that_returns_rubbish_is_refused_by_name_and_frame(answer, words, position):
+    estimators = [FakePoses([X_BO])] * position + [Answering(answer)]
+    seeing = perception(FakeMasks([[0.9, 0.8]]), estimators, FakeMethod(estimators=position + 1))
+    assert_refused(seeing, "Answering", *words)
+
+
+BAD_UNCERTAINTIES = [
+    (raising, "raised FloatingPointError: the loss went to the moon"),
+    (lambda: None, "expected 2 uncertainties in [0, 1], got nan"),
+    (lambda: "much", "raised ValueError"),
+    (lambda: np.zeros(3), "expected 2 uncertainties in [0, 1], got [0. 0. 0.]"),
+    (lambda: np.zeros((2, 1)), "expected 2 uncertainties in [0, 1]"),
+    (lambda: np.array([0.5, np.nan]), "expected 2 uncertainties in [0, 1], got [0.5 nan]"),
+    (lambda: np.array([0.5, 1.5]), "expected 2 uncertainties in [0, 1], got [0.5 1.5]"),
+    (lambda: np.array([-0.5, 0.5]), "expected 2 uncertainties in [0, 1], got [-0.5  0.5]"),
+]
+
+
+@pytest.mark.parametrize(("answer", "words"), [(answer, words) for answer, *words in BAD_UNCERTAINTIES])
+def test_a_method_that_returns_rubbish_is_refused_by_name_and_frame(answer, words):
+    assert_refused(perception(FakeMasks([[0.9, 0.8]]), method=Judging(answer)), "Judging", *words)
+
+
+def test_a_method_that_needs_more_estimators_than_there_are_is_refused():
+    assert_refused(perception(method=EnsembleAdd(minimum_m=0.0)), "EnsembleAdd", "raised InvalidEstimatesError")
+
+
+def test_uncertainties_belong_to_the_observation_and_cannot_be_written():
+    kept = np.array([0.5])
+    observation = look(perception(method=Judging(lambda: kept)))
+    kept[0] = 1.0
+    assert observation.uncertainties.tolist() == [0.5]
+    with pytest.raises(ValueError, match="read-only"):
+        observation.uncertainties[0] = 0.0
