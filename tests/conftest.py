@@ -1,0 +1,5 @@
+from hypothesis import settings
+
+# The same examples everywhere: a test that fails in CI fails at home. No deadline: the cores may be shared.
+settings.register_profile("graspcell", derandomize=True, deadline=None)
+settings.load_profile("graspcell")
