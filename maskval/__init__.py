@@ -13,6 +13,7 @@ from maskval.errors import (
     InvalidMeshError,
     InvalidPoseError,
     MaskvalError,
+    MissingRendererError,
 )
 from maskval.estimates import Estimates, NoUncertainty, UncertaintyMethod
 from maskval.evaluation import NO_PART, Counting, Evaluation, ImageErrors, match_images
@@ -53,6 +54,7 @@ __all__ = [
     "MaskVal",
     "MaskvalError",
     "Mesh",
+    "MissingRendererError",
     "NoUncertainty",
     "PackedMasks",
     "Pose",

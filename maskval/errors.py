@@ -31,3 +31,7 @@ class InvalidEvaluationError(MaskvalError, ValueError):
 
 class InvalidFileError(MaskvalError, ValueError):
     """A file that is not of the format that it should be; the message begins with the file and the place in it."""
+
+
+class MissingRendererError(MaskvalError, ImportError):
+    """pyrender, or OpenGL without a screen, which only `maskval.render` needs, is not there."""

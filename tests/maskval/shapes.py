@@ -1,9 +1,12 @@
-"""Meshes, poses and a camera for the tests, all made by arithmetic."""
+"""Meshes, poses and a camera for the tests: made by arithmetic, and the two parts of the cell."""
+
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from maskval import Camera, Mesh, Pose
+from sim.parts import load_part
 
 Arrays = tuple[NDArray[np.float64], NDArray[np.int64]]
 
@@ -48,6 +51,23 @@ def star(points: int = 7, outer: float = 0.1, inner: float = 0.035, height: floa
         )
     )
     return vertices, np.concatenate((sides, caps))
+
+
+@cache
+def antenna() -> Arrays:
+    """The cell's shark-fin antenna."""
+    return _part("antenna")
+
+
+@cache
+def handle() -> Arrays:
+    """The cell's door handle."""
+    return _part("handle")
+
+
+def _part(name: str) -> Arrays:
+    mesh = load_part(name).part.mesh
+    return mesh.vertices, mesh.faces.astype(np.int64)
 
 
 def square(side: float = 0.1) -> Mesh:

@@ -8,7 +8,7 @@ from maskval.views import NEAR_M
 from maskval.visible_surface import vsd
 from tests.maskval import shapes
 from tests.maskval.shapes import VGA
-from tests.maskval.test_silhouette import SMALL, both, both_shapes, everything, flipped
+from tests.maskval.test_silhouettes import SMALL, both, both_shapes, everything, flipped
 
 
 def ray_depth(arrays: shapes.Arrays, X_CO: Pose, camera: Camera, pixels: NDArray[np.int64]) -> NDArray[np.float64]:
