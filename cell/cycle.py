@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field
 
 from cell.attempt import Attempt
-from cell.errors import PolicyError
+from cell.errors import LayoutError, PolicyError
 from cell.interfaces import (
     Action,
     Contact,
@@ -19,7 +19,7 @@ from cell.layout import Layout
 from cell.motion import Motion, Unreachable
 from cell.perception import Perception
 from cell.records import AttemptRecord, Count, Seen, Slot, State, Transition
-from cell.search import refinement_view, search_run
+from cell.search import SearchRun, refinement_view, search_run
 from cell.trajectory import PRESETS, SpeedPreset
 from maskval import Pose
 
@@ -42,6 +42,13 @@ class CycleConfig:
     settle_time: float = 0.05
     speed: SpeedPreset = field(default_factory=lambda: PRESETS["ur-default"])
 
+    def __post_init__(self) -> None:
+        for name, least in (("parts", 1), ("refinements", 0), ("settle_time", 0.0)):
+            if not getattr(self, name) >= least:
+                raise ValueError(f"expected {name} of at least {least}, got {getattr(self, name)}")
+        if not self.slot_time > 0:
+            raise ValueError(f"expected slot_time above 0 s, got {self.slot_time}")
+
 
 class Cycle:
     """Runs one experiment on a station. Everything that happens is told to the listener as a record."""
@@ -57,13 +64,28 @@ class Cycle:
         config: CycleConfig,
         listener: Listener,
     ) -> None:
+        """Raises LayoutError where the layout has no slot for every part or a search view out of reach."""
         self._station, self._referee = station, referee
         self._perception, self._policy = perception, policy
         self._config, self._tell = config, listener
         self._motion = Motion(station, layout, config.speed)
-        self._search = search_run(layout)
+        self._search = self._reachable_search(layout)
         self._state = State.SEARCH
         self._slot = self._view = self._decisions = self._container_slot = 0
+
+    def _reachable_search(self, layout: Layout) -> SearchRun:
+        slots = layout.container.rows * layout.container.columns
+        if self._config.parts > slots:
+            raise LayoutError(
+                f"expected at most {slots} parts, one per slot of the container, got {self._config.parts}"
+            )
+        search = search_run(layout)
+        for index, X_BC in enumerate(search.views):
+            try:
+                self._motion.joints_for_camera(X_BC)
+            except Unreachable as reason:
+                raise LayoutError(f"view {index} of the search run is out of reach: {reason}") from reason
+        return search
 
     def run(self) -> Count:
         """The whole experiment: one slot of time per part."""
@@ -110,9 +132,12 @@ class Cycle:
                 return self._referee.verdict(contact)
             seen = self._look(refining=look > 0)
             action = seen.decision.action
-            if action is Action.GRASP and self._station.time < deadline:
+            in_time = self._station.time < deadline
+            if action is Action.GRASP and in_time:
                 return self._attempt(seen)
-            if action is not Action.REFINE or look == self._config.refinements or self._station.time >= deadline:
+            if action is Action.GRASP:
+                self._view -= 1  # the next part's time begins with this view: there is something to grasp
+            if action is not Action.REFINE or look == self._config.refinements or not in_time:
                 return None
             X_BC = self._refinement_view(seen)
             self._enter(State.REFINE, f"detection {seen.decision.detection}")

@@ -19,3 +19,7 @@ class EstimatorError(CellError, RuntimeError):
 
 class PolicyError(CellError, RuntimeError):
     """A policy raised, or decided upon a detection that does not exist."""
+
+
+class LayoutError(CellError, ValueError):
+    """A layout in which the cycle cannot work: a view out of reach, or more parts than slots."""

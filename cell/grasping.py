@@ -68,7 +68,7 @@ def plan_places(
     """
     X_WB = layout.X_WB
     X_WO = X_WB @ plan.X_BO_est
-    heading = np.arctan2(X_WO.rotation[1, 0], X_WO.rotation[0, 0])
+    heading = _heading(X_WO.rotation)
     X_OT = X_WO.inverse() @ X_WB @ plan.X_BT_grip
     p_WK = layout.container.slot_center(container_slot, part.slot_size)
     places = []
@@ -105,6 +105,12 @@ def look_at(point_B: Sequence[float] | NDArray[np.float64], distance: float) -> 
 
 def _shifted(X_AB: Pose, by_A: NDArray[np.float64]) -> Pose:
     return Pose(X_AB.rotation, X_AB.translation + by_A)
+
+
+def _heading(R_WO: NDArray[np.float64]) -> float:
+    """Angle of the part's x axis seen from above, rad; of its y axis where it stands on the x axis."""
+    axis = 0 if np.linalg.norm(R_WO[:2, 0]) > np.sqrt(0.5) else 1
+    return float(np.arctan2(R_WO[1, axis], R_WO[0, axis]))
 
 
 def _about_z(angle: float) -> NDArray[np.float64]:

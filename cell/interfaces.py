@@ -42,6 +42,11 @@ class Frame:
     rgb: NDArray[np.uint8] | None = None
     depth: NDArray[np.float32] | None = None
 
+    def __post_init__(self) -> None:
+        for image in (self.rgb, self.depth):
+            if image is not None:
+                image.setflags(write=False)  # estimators share it
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Detection:
@@ -49,6 +54,11 @@ class Detection:
 
     mask: NDArray[np.bool_]
     score: float
+
+    def __post_init__(self) -> None:
+        mask = np.array(self.mask)
+        mask.setflags(write=False)
+        object.__setattr__(self, "mask", mask)
 
 
 class MaskEstimator(Protocol):

@@ -44,10 +44,17 @@ class Motion:
         """A joint move that ends with the tool at X_BT."""
         return self.to_joints(self.joints_for(X_BT), watch)
 
+    def joints_for_camera(self, X_BC: Pose) -> Array:
+        """Joint angles that bring the camera there, near to the present ones.
+
+        Raises:
+            Unreachable: there are none.
+        """
+        return self.joints_for(X_BC @ self.layout.X_FC.inverse() @ self.layout.gripper.X_FT)
+
     def to_camera(self, X_BC: Pose) -> Contact | None:
         """A joint move that ends with the camera at X_BC."""
-        X_CT = self.layout.X_FC.inverse() @ self.layout.gripper.X_FT
-        return self.to_tool(X_BC @ X_CT)
+        return self.to_joints(self.joints_for_camera(X_BC))
 
     def to_joints(self, q: Array, watch: frozenset[Touch] = EVERYTHING) -> Contact | None:
         """A joint move."""

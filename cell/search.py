@@ -8,7 +8,7 @@ from cell.grasping import look_at
 from cell.layout import Layout
 from maskval import Pose
 
-SEARCH_DISTANCE = 0.55  # m above the belt: the image's height just covers the belt's width
+SEARCH_DISTANCE = 0.60  # m above the belt: the image's height covers the belt's width up to 60 mm over it
 SEARCH_STEP = 0.20  # m along the belt
 REFINE_DISTANCE = 0.40  # m from the estimated part
 

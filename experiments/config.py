@@ -1,22 +1,21 @@
 """What a person sets on the command line, and the checks that turn it into experiments."""
 
+# ruff: noqa: PLC0415  # the engine is loaded when a job begins: --help does not wait for it, nor need OpenGL
+
+import math
 import os
 from dataclasses import dataclass
 from pathlib import Path
-from typing import get_args
+from typing import TYPE_CHECKING, Literal, get_args
 
-from cell.layout import Container
-from cell.trajectory import PRESETS
 from experiments.errors import UsageError
-from experiments.experiment import ExperimentSpec
-from experiments.methods import METHODS, make_method
-from experiments.thresholds import load_thresholds
-from sim.errors import SimError
-from sim.estimators import Kind
-from sim.noise import load_noise
-from sim.parts import load_part
 
+if TYPE_CHECKING:
+    from experiments.experiment import ExperimentSpec
+
+Kind = Literal["noisy", "oracle"]
 ESTIMATORS = get_args(Kind)
+_MOST = 2**31 - 1  # what the logs' columns hold
 
 
 @dataclass(frozen=True)
@@ -49,15 +48,20 @@ class Compare:
     out: Path = Path("out/compare")
     """Folder for the results; made if missing."""
 
-    def specs(self) -> list[ExperimentSpec]:
+    def specs(self) -> "list[ExperimentSpec]":
         """The experiments, object by object, method by method.
 
         Raises:
             UsageError: an argument that cannot be.
         """
+        from experiments.experiment import ExperimentSpec
+        from experiments.thresholds import load_thresholds
+
         _check_common(self.parts, self.seed, self.estimator, self.speed)
         _at_least("--experiments", self.experiments, 1)
         _at_least("--jobs", self.jobs, 0)
+        if not all(map(math.isfinite, self.hand_eye_error_mm)):
+            raise UsageError(f"expected --hand-eye-error-mm of finite numbers, got {self.hand_eye_error_mm}")
         for name, chosen in (("--objects", self.objects), ("--methods", self.methods)):
             if not chosen:
                 raise UsageError(f"{name} is empty: expected at least one name")
@@ -116,12 +120,15 @@ class Run:
     out: Path | None = None
     """Folder for the logs; none are written without it."""
 
-    def spec(self) -> ExperimentSpec:
+    def spec(self) -> "ExperimentSpec":
         """The experiment.
 
         Raises:
             UsageError: an argument that cannot be.
         """
+        from experiments.experiment import ExperimentSpec
+        from experiments.thresholds import load_thresholds
+
         _check_common(self.parts, self.seed, self.estimator, self.speed)
         _at_least("--experiment", self.experiment, 0)
         _check_part_and_method(self.object, self.method, self.thresholds)
@@ -134,6 +141,60 @@ class Run:
             parts=self.parts,
             seed=self.seed,
             experiment=self.experiment,
+        )
+
+
+@dataclass(frozen=True)
+class Picture:
+    """Take a picture of the cell at a moment of an experiment with exact estimates."""
+
+    object: str = "antenna"
+    """Part to be sequenced: antenna, handle, or a TOML file of your own."""
+    after: int = 3
+    """How many parts have had their turn."""
+    state: str = "insert"
+    """The state that the robot then enters: search, approach, close, transfer, insert, ..."""
+    camera: str = "overview"
+    """overview: beside the cell; wrist: what the robot sees."""
+    size: tuple[int, int] = (960, 720)
+    """Width and height, pixels, up to 1920 × 1080."""
+    seed: int = 0
+    """Root of all random numbers."""
+    maker_meshes: bool = False
+    """Draw the arm with its maker's meshes; needs the extra graspcell[meshes]."""
+    out: Path = Path("out/cell.png")
+    """The picture, .png or .jpg."""
+
+    def spec(self) -> "ExperimentSpec":
+        """The experiment that the picture is taken from.
+
+        Raises:
+            UsageError: an argument that cannot be.
+        """
+        from cell.records import State
+        from experiments.experiment import ExperimentSpec
+        from experiments.thresholds import load_thresholds
+
+        _check_common(1, self.seed, "oracle", "ur-default")
+        _at_least("--after", self.after, 0)
+        _one_of("--state", self.state, tuple(state.value for state in State))
+        _one_of("--camera", self.camera, ("overview", "wrist"))
+        width, height = self.size
+        if not (1 <= width <= 1920 and 1 <= height <= 1080):
+            raise UsageError(f"expected --size within 1 1 and 1920 1080, got {width} {height}")
+        if self.out.suffix not in (".png", ".jpg"):
+            raise UsageError(f"expected --out to end in .png or .jpg, got {self.out}")
+        _check_part_and_method(self.object, "none", "paper")
+        return ExperimentSpec(
+            part=self.object,
+            method="none",
+            estimator="oracle",
+            thresholds=load_thresholds("paper"),
+            speed="ur-default",
+            parts=8,
+            seed=self.seed,
+            experiment=0,
+            maker_meshes=self.maker_meshes,
         )
 
 
@@ -157,15 +218,20 @@ class Tolerance:
     """How fast the arm moves: ur-default, moderate, fast."""
     jobs: int = 0
     """Processes to run trials in; 0 takes one per core. The results do not depend on it."""
+    figure: bool = False
+    """Also draw tolerance.png; needs the extra graspcell[figures]."""
     out: Path = Path("out/tolerance")
     """Folder for the results; made if missing."""
 
-    def specs(self, part: str) -> list[ExperimentSpec]:
+    def specs(self, part: str) -> "list[ExperimentSpec]":
         """One experiment with one part per trial.
 
         Raises:
             UsageError: an argument that cannot be.
         """
+        from experiments.experiment import ExperimentSpec
+        from experiments.thresholds import load_thresholds
+
         _check_common(1, self.seed, "oracle", self.speed)
         _at_least("--trials", self.trials, 1)
         _at_least("--jobs", self.jobs, 0)
@@ -194,6 +260,9 @@ class Tolerance:
 
 
 def _check_common(parts: int, seed: int, estimator: str, speed: str) -> None:
+    from cell.layout import Container
+    from cell.trajectory import PRESETS
+
     container = Container()
     slots = container.rows * container.columns
     if not 1 <= parts <= slots:
@@ -204,6 +273,12 @@ def _check_common(parts: int, seed: int, estimator: str, speed: str) -> None:
 
 
 def _check_part_and_method(part: str, method: str, thresholds: str) -> None:
+    from experiments.methods import METHODS, make_method
+    from experiments.thresholds import load_thresholds
+    from sim.errors import SimError
+    from sim.noise import load_noise
+    from sim.parts import load_part
+
     _one_of("--method", method, tuple(METHODS))
     try:
         model = load_part(part)
@@ -214,8 +289,8 @@ def _check_part_and_method(part: str, method: str, thresholds: str) -> None:
 
 
 def _at_least(name: str, value: int, least: int) -> None:
-    if value < least:
-        raise UsageError(f"expected {name} of at least {least}, got {value}")
+    if not least <= value <= _MOST:
+        raise UsageError(f"expected {name} of at least {least} and at most {_MOST}, got {value}")
 
 
 def _one_of(name: str, value: str, valid: tuple[str, ...]) -> None:

@@ -65,6 +65,10 @@ def tolerance(config: Tolerance) -> int:
     levels = summarise(trials, outcomes)
     write_json(folder / "tolerance.json", {"levels": levels})
     write_json(folder / "manifest.json", {**manifest(config), "seed": config.seed})
+    if config.figure:
+        from experiments.figures import draw_tolerance  # noqa: PLC0415  # needs an extra
+
+        draw_tolerance(levels, folder / "tolerance.png")
     print(format_levels(levels))
     print(f"results in {folder}")
     return 0

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cell.cycle import CycleConfig
-from cell.errors import EstimatorError, PolicyError
+from cell.errors import EstimatorError, LayoutError, PolicyError
 from cell.interfaces import Action, Decision, Detection, Frame, Observation, Outcome, Touch
 from cell.records import Slot, State
 from cell.search import search_run
@@ -138,6 +138,31 @@ def test_a_grasp_that_is_decided_upon_too_late_is_not_tried(slot_time):
     assert [seen.decision.action for seen in experiment.seen] == [Action.GRASP]
     assert experiment.attempts == []
     assert (experiment.count.tp, experiment.count.timeouts) == (0, 1)
+
+
+def test_a_grasp_that_comes_too_late_lets_the_next_part_begin_with_its_view():
+    experiment = run_cycle(Always(), config=config(parts=2, slot_time=2 * LOOK_TIME), masks=[[], [0.9]])
+    assert views_of(experiment)[:3] == [0, 1, 1]
+    assert [slot.outcome for slot in experiment.slots] == [None, Outcome.PLACED]
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"parts": 0}, "parts of at least 1, got 0"),
+        ({"refinements": -1}, "refinements of at least 0, got -1"),
+        ({"slot_time": 0.0}, "slot_time above 0 s, got 0.0"),
+        ({"settle_time": float("nan")}, "settle_time of at least 0.0, got nan"),
+    ],
+)
+def test_a_config_that_cannot_be_is_refused(change: dict[str, Any], words: str):
+    with pytest.raises(ValueError, match=re.escape(words)):
+        CycleConfig(**change)
+
+
+def test_more_parts_than_slots_of_the_container_are_refused():
+    with pytest.raises(LayoutError, match="at most 8 parts, one per slot of the container, got 9"):
+        run_cycle(Always(), config=config(parts=9))
 
 
 def test_a_refinement_that_is_decided_upon_too_late_is_not_begun():
