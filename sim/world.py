@@ -50,8 +50,9 @@ class World:
         compiled = self.model
         self._arm = np.array([compiled.joint(name).qposadr[0] for name in JOINTS])
         self._jaw = compiled.joint(FINGERS[0]).qposadr[0]
-        servo = np.array([compiled.actuator_ctrladr[compiled.actuator(name).id] for name in JOINTS])
-        self._servo_position, self._servo_velocity = servo, servo + 1
+        servo = compiled.actuator_ctrladr[compiled.actuator(JOINTS[0]).id]
+        # A view: each servo takes position and speed, and the joints' servos follow one another.
+        self._servos: Array = self.data.ctrl[servo : servo + 2 * len(JOINTS)].reshape(len(JOINTS), 2)
         self._jaw_command = compiled.actuator_ctrladr[compiled.actuator("jaws").id]
         self._bodies = np.array([compiled.body(part_body(index)).id for index in range(parts)])
         self._free_joints = [compiled.joint(part_body(index)).qposadr[0] for index in range(parts)]
@@ -109,8 +110,8 @@ class World:
 
     def command_arm(self, q: Array, qd: Array) -> None:
         """Sets the servo's joint angles (rad) and speeds (rad/s)."""
-        self.data.ctrl[self._servo_position] = q
-        self.data.ctrl[self._servo_velocity] = qd
+        self._servos[:, 0] = q
+        self._servos[:, 1] = qd
 
     def command_jaws(self, half_opening: float) -> None:
         """Sets the jaws' half opening, m."""
