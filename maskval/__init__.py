@@ -26,6 +26,7 @@ from maskval.metrics import RecallCurve, rates, recall_curve
 from maskval.pose_error import add, add_s, mdd, mspd, mssd, rotation_error, translation_error
 from maskval.ranking import aurc, auroc, bootstrap_interval, spearman
 from maskval.silhouettes import Silhouette, silhouette, silhouette_boxes, silhouette_iou
+from maskval.summary import Measured, Summary, Threshold, summarise
 from maskval.symmetry import SymmetryAxis, symmetry_poses
 from maskval.thresholds import Certificate, certified_threshold, conformal_threshold, paper_threshold
 from maskval.visible_surface import vsd
@@ -53,6 +54,7 @@ __all__ = [
     "InvalidPoseError",
     "MaskVal",
     "MaskvalError",
+    "Measured",
     "Mesh",
     "MissingRendererError",
     "NoUncertainty",
@@ -60,7 +62,9 @@ __all__ = [
     "Pose",
     "RecallCurve",
     "Silhouette",
+    "Summary",
     "SymmetryAxis",
+    "Threshold",
     "Uncertainties",
     "UncertaintyMethod",
     "add",
@@ -92,6 +96,7 @@ __all__ = [
     "silhouette_boxes",
     "silhouette_iou",
     "spearman",
+    "summarise",
     "symmetry_poses",
     "translation_error",
     "uncertainty",

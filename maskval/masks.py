@@ -59,8 +59,8 @@ class PackedMasks:
         return cls(packed.view("<u8").astype(np.uint64, copy=False), width)
 
     @classmethod
-    def from_rle(cls, runs: Iterable[Sequence[int]], height: int, width: int) -> Self:
-        """The packed form of COCO run lengths, one sequence of counts for each mask."""
+    def from_rle(cls, runs: Iterable[Sequence[int] | str], height: int, width: int) -> Self:
+        """The packed form of COCO run lengths, plain or compressed, the counts of one mask after the other."""
         masks = [mask_from_rle(counts, height, width) for counts in runs]
         return cls.pack(np.array(masks, dtype=np.bool_).reshape(len(masks), height, width))
 
@@ -105,23 +105,44 @@ def rle_counts(mask: NDArray[Any]) -> list[int]:
     return counts
 
 
-def mask_from_rle(counts: Sequence[int], height: int, width: int) -> NDArray[np.bool_]:
-    """The mask of COCO's uncompressed run lengths, (H, W).
+def mask_from_rle(counts: Sequence[int] | str, height: int, width: int) -> NDArray[np.bool_]:
+    """The mask of COCO's run lengths, (H, W).
 
     Args:
-        counts: Lengths of the runs of zeros and ones in turn, zeros first, column by column.
+        counts: Lengths of the runs of zeros and ones in turn, zeros first, column by column; or their compressed form.
         height: Image height H, pixels.
         width: Image width W, pixels.
 
     Raises:
         InvalidMaskError: If a count is negative or no whole number, or the counts do not add up to H W.
     """
-    runs = np.asarray(counts)
+    runs = np.asarray(_decompressed(counts) if isinstance(counts, str) else counts)
     if runs.ndim != 1 or runs.dtype.kind not in "iu" or (runs < 0).any():
         raise InvalidMaskError(f"counts must be whole numbers >= 0, but are {str(counts)[:60]}")
     if runs.sum() != height * width:
         raise InvalidMaskError(f"counts must add up to {height} x {width} = {height * width}, but to {runs.sum()}")
     return np.repeat(np.arange(len(runs)) % 2 == 1, runs).reshape((height, width), order="F")
+
+
+def _decompressed(text: str) -> list[int]:
+    """The run lengths of COCO's compressed form: 5 bits a letter, and each length less the one before the last."""
+    counts: list[int] = []
+    value = shift = 0
+    for letter in text:
+        bits = ord(letter) - 48
+        if not 0 <= bits < 64:
+            raise InvalidMaskError(f"compressed run lengths must be letters from '0' to 'o', but hold {letter!r}")
+        value |= (bits & 31) << shift
+        shift += 5
+        if bits & 32:  # another letter follows
+            continue
+        if bits & 16:  # the number is negative
+            value -= 1 << shift
+        counts.append(value + (counts[-2] if len(counts) > 2 else 0))
+        value = shift = 0
+    if shift:
+        raise InvalidMaskError("compressed run lengths must end with a number, but are cut off")
+    return counts
 
 
 def _binary(mask: NDArray[Any], dimensions: tuple[int, ...] = (2,)) -> NDArray[np.bool_]:

@@ -4,6 +4,7 @@ Paths are of the layout that BOP calls its format: `models/obj_000001.ply`, `mod
 `test/000001/scene_gt.json`, `scene_gt_info.json`, `scene_camera.json`, `mask_visib/000003_000000.png`.
 """
 
+from maskval.bop.dataset import Dataset, DetectedMasks, ImageObject, MaskSource, Scene, SceneMasks
 from maskval.bop.detections import Detection, read_detections, write_detections
 from maskval.bop.images import mask_path, read_depth, read_mask, write_depth, write_mask
 from maskval.bop.models import ModelInfo, read_model, read_models_info, write_model, write_models_info
@@ -22,15 +23,25 @@ from maskval.bop.scenes import (
     write_scene_gt_info,
     write_targets,
 )
+from maskval.bop.submission import JudgedPose, evaluate_poses, judge_results
 
 __all__ = [
+    "Dataset",
+    "DetectedMasks",
     "Detection",
     "GroundTruth",
     "GroundTruthInfo",
     "ImageCamera",
+    "ImageObject",
+    "JudgedPose",
+    "MaskSource",
     "ModelInfo",
     "Result",
+    "Scene",
+    "SceneMasks",
     "Target",
+    "evaluate_poses",
+    "judge_results",
     "mask_path",
     "read_depth",
     "read_detections",

@@ -21,7 +21,7 @@ class Detection:
         im_id: Image in the scene (image_id in the file).
         obj_id: Object (category_id in the file).
         score: Confidence; high is good.
-        rle: COCO's uncompressed run lengths of the mask.
+        rle: COCO's run lengths of the mask, not compressed.
         height: Image height, pixels.
         width: Image width, pixels.
         time_s: Time that the detector took for all of the image, seconds, or -1.
@@ -43,7 +43,7 @@ class Detection:
 
 
 def read_detections(path: Path) -> list[Detection]:
-    """The detections of a results file with uncompressed run lengths.
+    """The detections of a results file, their run lengths plain or compressed.
 
     Args:
         path: The JSON file.
@@ -84,11 +84,11 @@ def _detection(entry: Entry) -> Detection:
     counts = segmentation["counts"]
     if len(size) != 2:
         raise segmentation["size"].error("height and width")
-    if not isinstance(counts.value, list):
-        raise counts.error("uncompressed run lengths, a list of whole numbers")
-    rle = tuple(element.integer() for element in counts.elements())
+    if not isinstance(counts.value, list | str):
+        raise counts.error("run lengths, a list of whole numbers or COCO's compressed text")
+    given = counts.value if isinstance(counts.value, str) else [element.integer() for element in counts.elements()]
     try:
-        mask_from_rle(rle, size[0], size[1])
+        rle = tuple(rle_counts(mask_from_rle(given, size[0], size[1])))
     except InvalidMaskError as error:
         raise InvalidFileError(f"{counts.place}: {error}") from error
     ids = [entry[name].integer() for name in ("scene_id", "image_id", "category_id")]
