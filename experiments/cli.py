@@ -2,6 +2,7 @@
 
 import contextlib
 import dataclasses
+import importlib
 import io
 import re
 import sys
@@ -12,10 +13,14 @@ import tyro
 
 from experiments.config import Compare, Run, Tolerance
 from experiments.errors import UsageError
+from experiments.uq import Uq, uq
+from sim.errors import GraphicsError
 
-USAGE = 2  # exit code of a wrong argument
+USAGE = 2  # exit code of a wrong argument, or of a machine without OpenGL
 FAILED = 1
+_GL_PACKAGES = "libegl1 libgl1 libosmesa6"  # sim.camera names them too, but cannot be asked where they are missing
 
+_ASIDES = ("For full", "Argument help", "Perhaps you meant")  # of tyro: they fill a screen, not a line
 _DESCRIPTION = (
     "Closed-loop grasp experiments in simulation that tell which 6D-pose uncertainty can be trusted. "
     "`graspcell COMMAND --help` explains a command."
@@ -44,11 +49,13 @@ _COMMAND: Any = (
     Annotated[Compare, tyro.conf.subcommand("compare")]
     | Annotated[Run, tyro.conf.subcommand("run")]
     | Annotated[Tolerance, tyro.conf.subcommand("tolerance")]
+    | Annotated[Uq, tyro.conf.subcommand("uq")]
 )
 COMMANDS: dict[str, tuple[type[Any], Callable[[Any], int]]] = {
     "compare": (Compare, _compare),
     "run": (Run, _run),
     "tolerance": (Tolerance, _tolerance),
+    "uq": (Uq, uq),
 }
 
 
@@ -57,9 +64,11 @@ def main(arguments: Sequence[str] | None = None) -> None:
     given = list(sys.argv[1:] if arguments is None else arguments)
     try:
         config = parse(given)
+        if not isinstance(config, Uq):  # it needs no physics
+            _load_engine()
         jobs = dict(COMMANDS.values())
         code = jobs[type(config)](config)
-    except UsageError as error:
+    except (UsageError, GraphicsError) as error:
         _fail(str(error), USAGE)
     except KeyboardInterrupt:
         _fail("interrupted", 130)
@@ -83,6 +92,21 @@ def parse(arguments: Sequence[str]) -> Any:
         raise UsageError(_one_line(told.getvalue(), arguments)) from None
 
 
+def _load_engine() -> None:
+    """Imports MuJoCo, which without an OpenGL library fails with whatever its bindings stumble over.
+
+    Raises:
+        UsageError: the library is missing; the message names the packages to install.
+    """
+    try:
+        importlib.import_module("sim.camera")
+    except (AttributeError, OSError, RuntimeError) as error:
+        raise UsageError(
+            f"no off-screen OpenGL ({type(error).__name__}: {error}); expected EGL or OSMesa: "
+            f"apt-get install {_GL_PACKAGES}, then set MUJOCO_GL to egl or osmesa"
+        ) from error
+
+
 def _one_line(told: str, arguments: Sequence[str]) -> str:
     """What tyro says in a box, in one line, with the valid options if there is a choice to make."""
     inside = [re.sub(r"^[│╭╰]|[│╮╯]$", "", line.strip()).strip() for line in told.splitlines()[1:-1]]
@@ -92,7 +116,7 @@ def _one_line(told: str, arguments: Sequence[str]) -> str:
             blocks.append([])
         else:
             blocks[-1].append(line)
-    kept = [" ".join(block) for block in blocks if block and not block[0].startswith(("For full", "Argument help"))]
+    kept = [" ".join(block) for block in blocks if block and not block[0].startswith(_ASIDES)]
     message = "; ".join(kept) or "the arguments are not understood"
     command = arguments[0] if arguments else ""
     if "nrecognized" in message and command in COMMANDS:
