@@ -1,0 +1,193 @@
+import ast
+import dataclasses
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from experiments import cli
+from experiments.cli import COMMANDS
+from experiments.experiment import bench
+from sim import camera
+from tests.experiments.command import Told, command
+
+ROOT = Path(__file__).parents[2]
+
+WRONG = [  # arguments, words that the one line of error must hold
+    ([], ["compare", "run"]),
+    (["compere"], ["compere", "compare", "run"]),
+    (["compare", "--object", "antenna"], ["--object", "valid options of compare", "--objects", "--hand-eye-error-mm"]),
+    (["run", "--objects", "antenna"], ["--objects", "valid options of run", "--object", "--experiment"]),
+    (["compare", "--objects"], ["--objects is empty", "at least one"]),
+    (["compare", "--methods"], ["--methods is empty", "at least one"]),
+    (["compare", "--objects", "cup"], ["unknown object 'cup'", "antenna, handle", ".toml"]),
+    (["compare", "--objects", "handle", "cup"], ["unknown object 'cup'", "antenna, handle"]),
+    (["compare", "--objects", "cup.toml"], ["cup.toml does not exist"]),
+    (["compare", "--objects", "handle", "handle"], ["--objects names something twice", "handle handle"]),
+    (["compare", "--methods", "mask"], ["unknown method 'mask'", "none, ensemble-add, maskval"]),
+    (["compare", "--methods", "none", "none"], ["--methods names something twice"]),
+    (["compare", "--experiments", "0"], ["--experiments of at least 1", "got 0"]),
+    (["compare", "--experiments", "many"], ["--experiments", "many"]),
+    (["compare", "--parts", "0"], ["--parts in 1..8", "got 0"]),
+    (["compare", "--parts", "9"], ["--parts in 1..8", "got 9"]),
+    (["compare", "--seed", "-1"], ["--seed of at least 0", "got -1"]),
+    (["compare", "--seed", "99999999999999999999"], ["--seed", "at most 2147483647", "got 99999999999999999999"]),
+    (["compare", "--estimator", "perfect"], ["--estimator", "perfect", "noisy", "oracle"]),
+    (["compare", "--thresholds", "papr"], ["unknown thresholds 'papr'", "paper", ".toml"]),
+    (["compare", "--thresholds", "my.toml"], ["my.toml does not exist"]),
+    (["compare", "--speed", "warp"], ["unknown speed 'warp'", "ur-default, moderate, fast"]),
+    (["compare", "--jobs", "-1"], ["--jobs of at least 0", "got -1"]),
+    (["compare", "--hand-eye-error-mm", "1", "2"], ["--hand-eye-error-mm", "3 values"]),
+    (["compare", "--hand-eye-error-mm", "nan", "0", "0"], ["--hand-eye-error-mm of finite numbers", "nan"]),
+    (["run", "--object", "cup"], ["unknown object 'cup'", "antenna, handle"]),
+    (["run", "--method", "mask"], ["unknown method 'mask'", "none, ensemble-add, maskval"]),
+    (["run", "--experiment", "-1"], ["--experiment of at least 0", "got -1"]),
+    (["run", "--parts", "9"], ["--parts in 1..8", "got 9"]),
+]
+
+
+def is_one_line(told: Told) -> bool:
+    return told.err.startswith("graspcell: error: ") and told.err.count("\n") == 1 and told.err.endswith("\n")
+
+
+@pytest.mark.parametrize(("arguments", "words"), WRONG, ids=[" ".join(arguments) for arguments, _ in WRONG])
+def test_a_wrong_argument_ends_with_code_2_and_one_line_that_names_what_is_valid(
+    capsys: pytest.CaptureFixture[str], arguments: list[str], words: list[str]
+) -> None:
+    told = command(capsys, *arguments)
+    assert told.code == 2
+    assert is_one_line(told)
+    assert [word for word in words if word not in told.err] == []
+    assert told.out == ""
+
+
+def test_a_malformed_threshold_file_is_refused_in_one_line(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    path = tmp_path / "mine.toml"
+    path.write_text('refine = "much"\n[grasp]\n[ensemble_add_minimum_m]\n')
+    told = command(capsys, "compare", "--thresholds", path)
+    assert (told.code, is_one_line(told)) == (2, True)
+    assert "expected refine in [0, 1], got 'much'" in told.err
+
+
+@pytest.mark.parametrize("job", ["compare", "run"])
+def test_a_folder_that_cannot_be_written_to_is_refused(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, job: str
+) -> None:
+    blocked = tmp_path / "file"
+    blocked.write_text("in the way")
+    for folder in (blocked, blocked / "below"):
+        told = command(capsys, job, "--out", folder)
+        assert (told.code, is_one_line(told)) == (2, True)
+        assert f"cannot write to {folder}" in told.err
+        assert "expected a writable folder" in told.err
+    assert blocked.read_text() == "in the way"
+
+
+def test_a_folder_without_permission_is_refused(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(self: Path, **_: object) -> None:
+        raise PermissionError(13, "Permission denied", str(self))
+
+    monkeypatch.setattr(Path, "touch", refuse)  # the superuser may write anywhere
+    told = command(capsys, "compare", "--out", tmp_path)
+    assert (told.code, is_one_line(told)) == (2, True)
+    assert f"cannot write to {tmp_path}: Permission denied" in told.err
+
+
+def test_help_names_the_commands(capsys: pytest.CaptureFixture[str]) -> None:
+    told = command(capsys, "--help")
+    assert (told.code, told.err) == (0, "")
+    assert {"compare", "run"} <= set(COMMANDS)
+    assert [name for name in COMMANDS if name not in told.out] == []
+
+
+@pytest.mark.parametrize("job", COMMANDS)
+def test_help_of_a_command_names_every_option_with_its_default(capsys: pytest.CaptureFixture[str], job: str) -> None:
+    told = command(capsys, job, "--help")
+    fields = dataclasses.fields(COMMANDS[job][0])
+    assert (told.code, told.err) == (0, "")
+    assert len(fields) >= 5
+    assert [field.name for field in fields if f"--{field.name.replace('_', '-')}" not in told.out] == []
+    assert told.out.count("(default: ") >= len(fields) - 1  # those that are off by default may say so otherwise
+
+
+def test_the_defaults_of_compare_are_the_papers_experiment(capsys: pytest.CaptureFixture[str]) -> None:
+    out = " ".join(command(capsys, "compare", "--help").out.replace("│", " ").split())
+    defaults = ("antenna handle", "none ensemble-add maskval", "5", "8", "0", "paper", "ur-default")
+    assert [default for default in defaults if f"(default: {default})" not in out] == []
+
+
+def loaded_by(arguments: list[str]) -> set[str]:
+    """Modules that a fresh `graspcell` has loaded when it ends."""
+    script = (
+        "import atexit, sys; atexit.register(lambda: print(sorted({name.split('.')[0] for name in sys.modules}), "
+        f"file=sys.stderr)); from experiments.cli import main; main({arguments!r})"
+    )
+    done = subprocess.run([sys.executable, "-c", script], cwd=ROOT, capture_output=True, text=True, check=True)
+    loaded: list[str] = ast.literal_eval(done.stderr.strip().splitlines()[-1])
+    return set(loaded)
+
+
+def test_help_does_not_wait_for_the_engine() -> None:
+    loaded = loaded_by(["compare", "--help"])
+    assert "tyro" in loaded
+    assert loaded & {"mujoco", "numba", "trimesh", "scipy", "cv2", "pyarrow", "ruckig"} == set()
+
+
+def test_without_off_screen_opengl_the_one_line_names_the_packages_to_install(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(*_: object, **__: object) -> None:
+        raise AttributeError("'NoneType' object has no attribute 'eglQueryString'")
+
+    monkeypatch.setattr("sim.camera.mujoco.Renderer", fail)
+    bench.cache_clear()
+    for job in (["compare", "--jobs", 1], ["run"]):
+        told = command(capsys, *job, "--parts", 1, "--out", tmp_path)
+        assert (told.code, is_one_line(told)) == (2, True)
+        assert "apt-get install libegl1 libgl1 libosmesa6" in told.err
+        assert "eglQueryString" in told.err
+    assert not (tmp_path / "table.json").exists()
+
+
+def test_without_off_screen_opengl_in_its_workers_compare_says_the_same(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("MUJOCO_GL", "egl")
+    monkeypatch.setenv("MUJOCO_EGL_DEVICE_ID", "99")  # this process has chosen its device; the workers have not
+    told = command(capsys, "compare", "--experiments", 2, "--parts", 1, "--jobs", 2, "--out", tmp_path)
+    assert (told.code, is_one_line(told)) == (2, True)
+    assert "apt-get install libegl1 libgl1 libosmesa6" in told.err
+
+
+# What happens where libEGL is missing: PyOpenGL finds nothing, and MuJoCo cannot even be imported.
+NO_LIBRARY = """
+import ctypes
+load = ctypes.CDLL.__init__
+def refuse(self, name, *args, **kwargs):
+    if name and ("GL" in str(name) or "OSMesa" in str(name)):
+        raise OSError(f"{name}: cannot open shared object file")
+    load(self, name, *args, **kwargs)
+ctypes.CDLL.__init__ = refuse
+ctypes.util.find_library = lambda name: None
+from experiments.cli import main
+main(["run", "--parts", "1"])
+"""
+
+
+def test_where_the_opengl_library_is_missing_the_one_line_names_the_packages_to_install() -> None:
+    environment = {**os.environ, "MUJOCO_GL": "egl"}
+    script = "import ctypes.util" + NO_LIBRARY
+    done = subprocess.run(
+        [sys.executable, "-c", script], cwd=ROOT, env=environment, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 2, done.stderr
+    assert is_one_line(Told(done.returncode, done.stdout, done.stderr))
+    assert "apt-get install libegl1 libgl1 libosmesa6" in done.stderr
+
+
+def test_the_packages_are_named_alike_wherever_they_are_named() -> None:
+    assert cli._GL_PACKAGES == camera.GL_PACKAGES

@@ -1,0 +1,54 @@
+import multiprocessing
+import os
+import signal
+import time
+from concurrent.futures.process import BrokenProcessPool
+
+import pytest
+
+from experiments.pool import run_all
+
+
+def doubled(number: int) -> int:
+    return 2 * number
+
+
+def process_and(number: int) -> tuple[int, int]:
+    time.sleep(0.2)
+    return number, os.getpid()
+
+
+def killed(number: int) -> int:
+    if number == 1:
+        os.kill(os.getpid(), signal.SIGKILL)
+    return number
+
+
+@pytest.mark.parametrize("jobs", [1, 2, 5])
+def test_results_come_in_the_order_of_the_tasks(jobs: int) -> None:
+    assert list(run_all(doubled, [3, 1, 2], jobs)) == [6, 2, 4]
+
+
+def test_tasks_run_in_as_many_processes_as_asked_for_and_one_means_this_one() -> None:
+    alone = list(run_all(process_and, range(3), 1))
+    assert alone == [(number, os.getpid()) for number in range(3)]
+    shared = list(run_all(process_and, range(6), 2))
+    assert [number for number, _ in shared] == list(range(6))
+    processes = {process for _, process in shared}
+    assert len(processes) == 2
+    assert os.getpid() not in processes
+
+
+def test_closing_early_ends_the_workers_and_what_has_begun() -> None:
+    before = multiprocessing.active_children()
+    stream = run_all(time.sleep, [0.0, 600.0, 600.0, 600.0], 2)
+    next(stream)
+    begun = time.monotonic()
+    stream.close()
+    assert time.monotonic() - begun < 10
+    assert multiprocessing.active_children() == before
+
+
+def test_a_worker_that_dies_is_an_error_and_no_wait_without_end() -> None:
+    with pytest.raises(BrokenProcessPool):
+        list(run_all(killed, [0, 1, 2, 3], 2))
