@@ -11,7 +11,7 @@ from typing import Annotated, Any
 
 import tyro
 
-from experiments.config import Compare, Run, Tolerance
+from experiments.config import Compare, Picture, Run, Tolerance
 from experiments.errors import UsageError
 from experiments.uq import Uq, uq
 from sim.errors import GraphicsError
@@ -28,18 +28,28 @@ _DESCRIPTION = (
 
 
 def _compare(config: Compare) -> int:
+    _load_engine()
     from experiments.compare import compare  # noqa: PLC0415  # the engine is loaded when it is needed
 
     return compare(config)
 
 
 def _run(config: Run) -> int:
+    _load_engine()
     from experiments.run import run  # noqa: PLC0415
 
     return run(config)
 
 
+def _picture(config: Picture) -> int:
+    _load_engine()
+    from experiments.picture import picture  # noqa: PLC0415
+
+    return picture(config)
+
+
 def _tolerance(config: Tolerance) -> int:
+    _load_engine()
     from experiments.tolerance import tolerance  # noqa: PLC0415
 
     return tolerance(config)
@@ -48,12 +58,14 @@ def _tolerance(config: Tolerance) -> int:
 _COMMAND: Any = (
     Annotated[Compare, tyro.conf.subcommand("compare")]
     | Annotated[Run, tyro.conf.subcommand("run")]
+    | Annotated[Picture, tyro.conf.subcommand("picture")]
     | Annotated[Tolerance, tyro.conf.subcommand("tolerance")]
     | Annotated[Uq, tyro.conf.subcommand("uq")]
 )
 COMMANDS: dict[str, tuple[type[Any], Callable[[Any], int]]] = {
     "compare": (Compare, _compare),
     "run": (Run, _run),
+    "picture": (Picture, _picture),
     "tolerance": (Tolerance, _tolerance),
     "uq": (Uq, uq),
 }
