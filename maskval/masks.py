@@ -1,7 +1,7 @@
 """Binary masks: checking, packing to bits, and COCO's run lengths."""
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Self
 
 import numpy as np
@@ -20,12 +20,16 @@ class PackedMasks:
         words: Bit j of words[k, v, w] is pixel [v, 64 w + j] of mask k, (K, H, ceil(W / 64)); bits beyond W are 0.
         width: Image width W, pixels.
 
+    Attributes:
+        areas_px: Pixels in each mask, (K,).
+
     Raises:
         InvalidMaskError: If the words are not of this shape and type.
     """
 
     words: NDArray[np.uint64]
     width: int
+    areas_px: NDArray[np.int64] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         words = np.array(self.words, order="C")
@@ -33,8 +37,10 @@ class PackedMasks:
             raise InvalidMaskError(
                 f"words must be uint64 of shape (K, H, {-(-self.width // 64)}), but are {words.dtype} of {words.shape}"
             )
-        words.setflags(write=False)
-        object.__setattr__(self, "words", words)
+        areas = np.bitwise_count(words).sum(axis=(1, 2), dtype=np.int64)
+        for name, array in (("words", words), ("areas_px", areas)):
+            array.setflags(write=False)
+            object.__setattr__(self, name, array)
 
     def __reduce__(self) -> tuple[type[Self], tuple[NDArray[np.uint64], int]]:
         # What comes out of a pickle is not writeable either: Numba would compile the kernel anew for arrays that are.
@@ -68,12 +74,6 @@ class PackedMasks:
     def height(self) -> int:
         """Image height H, pixels."""
         return int(self.words.shape[1])
-
-    @property
-    def areas_px(self) -> NDArray[np.int64]:
-        """Pixels in each mask, (K,)."""
-        areas: NDArray[np.int64] = np.bitwise_count(self.words).sum(axis=(1, 2), dtype=np.int64)
-        return areas
 
     def __len__(self) -> int:
         return len(self.words)

@@ -82,7 +82,8 @@ FLAT = np.zeros((2, 3), dtype=bool)
         (lambda: mask_from_rle([1, 2], 2, 3), "add up to 2 x 3 = 6, but to 3"),
         (lambda: mask_from_rle([7, -1], 2, 3), r"whole numbers >= 0, but are \[7, -1\]"),
         (lambda: mask_from_rle([1.5, 4.5], 2, 3), "whole numbers >= 0"),
-        (lambda: mask_from_rle("PP02", 2, 3), "whole numbers >= 0, but are PP02"),
+        (lambda: mask_from_rle(["P"], 2, 3), r"whole numbers >= 0, but are \['P'\]"),
+        (lambda: mask_from_rle("P", 2, 3), "must end with a number, but are cut off"),
     ],
 )
 def test_bad_masks_are_refused(call, words) -> None:
