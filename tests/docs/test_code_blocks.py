@@ -1,0 +1,66 @@
+"""The code of the library's pages runs as it stands there, block after block."""
+
+import re
+import shlex
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from experiments.cli import main
+from maskval import Camera, Mesh, Pose, mdd, silhouette
+from tests.maskval import bop_dataset, shapes
+
+DOCS = Path(__file__).parents[2] / "docs"
+# The blocks that each page has: one that is not found is not run.
+PAGES = {"maskval.md": 6, "conventions.md": 4, "uq-methods.md": 2}
+BLOCK = re.compile(r"^```(\w+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+
+
+def example_data() -> dict[str, object]:
+    """What a reader of `docs/maskval.md` brings along."""
+    camera = Camera(600.0, 600.0, 320.0, 240.0, 640, 480)
+    vertices, faces = shapes.star()
+    mesh = Mesh(vertices, faces)
+    truths = [Pose.from_translation((0.15 * k - 0.2, 0, 0.6)) for k in range(3)]
+    poses = [X @ Pose.from_translation((0.008 * k, 0, 0)) for k, X in enumerate(truths)]
+    masks = np.array([silhouette(mesh, X, camera).mask for X in reversed(truths)])
+    return {
+        "vertices": vertices,
+        "faces": faces,
+        "K": camera.K,
+        "poses": poses,
+        "masks": masks,
+        "errors_m": np.array([[mdd(X, truth, vertices) for truth in truths] for X in poses]),
+        "visibility": np.ones(3),
+    }
+
+
+@pytest.mark.parametrize(("page", "count"), PAGES.items())
+def test_the_code_of_a_page_runs(page, count, tmp_path, monkeypatch, capsys) -> None:
+    monkeypatch.chdir(tmp_path)
+    bop_dataset.write(tmp_path / "dataset")
+    blocks = BLOCK.findall((DOCS / page).read_text())
+    assert len(blocks) == count
+    names = example_data() if page == "maskval.md" else {}
+    for language, code in blocks:
+        if language == "python":
+            exec(compile(code, page, "exec"), names)
+        else:
+            assert language == "sh"
+            for line in code.splitlines():
+                command, *arguments = shlex.split(line)
+                assert command == "graspcell"
+                with pytest.raises(SystemExit) as end:
+                    main(arguments)
+                assert end.value.code == 0
+    if page == "maskval.md":
+        assert names["found"].masks.tolist() == [2, 1, 0]
+        assert len(names["trusted"]) == 2
+        assert capsys.readouterr().out.count("Spearman") == 3
+        assert names["drawn"].any()
+
+
+def test_the_page_shows_a_use_in_five_lines() -> None:
+    _, code = BLOCK.findall((DOCS / "maskval.md").read_text())[0]
+    assert len([line for line in code.splitlines() if line]) == 5

@@ -1,0 +1,128 @@
+"""`graspcell uq` on a small data set, whole and spoilt in the ways that files are."""
+
+import csv
+import re
+
+import numpy as np
+import pytest
+
+from maskval import bop
+from tests.experiments.command import command
+from tests.maskval import bop_dataset
+from tests.maskval.bop_dataset import IMAGES, SHIFTS_M
+
+
+@pytest.fixture
+def arguments(tmp_path):
+    results, detections = bop_dataset.write(tmp_path)
+    fast = ("--resamples", "5")
+    return ["uq", "--dataset", str(tmp_path), "--results", str(results), "--masks", str(detections), *fast]
+
+
+def run(arguments, capsys) -> tuple[int, str, str]:
+    told = command(capsys, *arguments)
+    return told.code, told.out, told.err
+
+
+def test_uq_prints_u_of_every_pose_and_the_summary(arguments, capsys) -> None:
+    code, out, err = run(arguments, capsys)
+    assert (code, err) == (0, "")
+    table, summary = out.split("\n\n")
+    rows = list(csv.DictReader(table.splitlines()))
+    assert len(rows) == 2 * IMAGES
+    assert [int(row["im_id"]) for row in rows] == np.repeat(np.arange(IMAGES), 2).tolist()
+    u = [float(row["u"]) for row in rows[::2]]
+    assert u[0] == 0
+    assert all(np.diff(u) > 0)
+    # 6 of 10 cubes are off by at most 15 mm, and all stars are right; u tells them apart.
+    assert sum(shift <= 0.015 for shift in SHIFTS_M) == 6
+    assert summary.startswith("20 poses of 20 parts in 10 images; good is an error of at most 15 mm")
+    lines = {line.split()[0]: line.split() for line in summary.splitlines()}
+    assert float(lines["AUROC"][1]) == 1
+    assert lines["all"][2] == "inf"
+    assert float(lines["paper"][1]) == pytest.approx(u[5], rel=1e-3)
+    assert lines["certified"] == ["certified", "abstains"]
+
+
+def test_uq_takes_the_data_sets_own_masks(arguments, capsys) -> None:
+    with_detections = run(arguments, capsys)
+    arguments[arguments.index("--masks") + 1] = "mask_visib"
+    assert run(arguments, capsys) == with_detections
+
+
+def test_uq_without_true_poses_prints_uncertainties_only(arguments, capsys, tmp_path) -> None:
+    for name in ("scene_gt.json", "scene_gt_info.json"):
+        (tmp_path / "test" / "000002" / name).unlink()
+    (tmp_path / "test_targets_bop19.json").unlink()
+    code, out, _ = run(arguments, capsys)
+    assert code == 0
+    table, rest = out.split("\n\n")
+    assert len(table.splitlines()) == 1 + 2 * IMAGES
+    assert rest == "no true poses in the data set: uncertainties only\n"
+
+
+def replaced(path, old, new) -> None:
+    text = path.read_text()
+    assert old in text
+    path.write_text(text.replace(old, new, 1))
+
+
+@pytest.mark.parametrize(
+    ("name", "old", "new", "words"),
+    [
+        ("ours_small-test.csv", "2,0,1,0.5", "2,0,1", "csv:2:1: expected the 7 fields .*, but found 6"),
+        ("ours_small-test.csv", "2,0,1,0.5", "2,zero,1,0.5", "csv:2:3: expected im_id as a whole number, .* 'zero'"),
+        ("ours_small-test.csv", "2,0,1,0.5,", "2,0,1,0.5,1 ", r"csv:2:11: expected R as 9 finite numbers"),
+        ("ours_small-test.csv", "2,0,1,0.5,0", "2,0,1,0.5,5", r"csv:2:11: expected a rotation to 0.001"),
+        ("ours_small-test.csv", "2,0,1", "7,0,1", "expected masks of the scene 7, .* found none"),
+        ("ours_small-test.csv", "2,0,1", "2,77,1", "expected the image 77, .* found 10 others"),
+        ("ours_small-test.csv", "2,0,1", "2,0,9", "obj_000009.ply"),
+        ("detections.json", '"counts": [', '"counts": [1, ', r"detections.json: \[0\]: .*counts must add up"),
+        ("detections.json", "[\n", "[[\n", r"detections.json:\d+:\d+: expected JSON"),
+        ("models/obj_000001.ply", "ply", "off", "obj_000001.ply:1:1: expected"),
+        ("models/models_info.json", '"5"', '"6"', "models_info.json: expected the object 5"),
+        ("test/000002/scene_camera.json", "300.0", "-300.0", "scene_camera.json: 0: cam_K: fx must be > 0"),
+        ("test/000002/scene_camera.json", "[300.0, 0.0", "[300.0, 1e400", "finite"),
+        ("test/000002/scene_gt.json", "cam_R_m2c", "cam_R", "expected the field 'cam_R_m2c'"),
+        ("test/000002/scene_gt_info.json", '"visib_fract": 1.0', '"visib_fract": 1.5', r"a share in \[0, 1\]"),
+        ("test_targets_bop19.json", '"im_id": 0', '"im_id": 99', "expected the parts of image 99"),
+    ],
+)
+def test_a_malformed_file_ends_uq_with_one_line_and_code_2(arguments, capsys, tmp_path, name, old, new, words) -> None:
+    replaced(tmp_path / name, old, new)
+    code, out, err = run(arguments, capsys)
+    assert (code, out) == (2, "")
+    assert err.count("\n") == 1
+    assert re.search(words, err), err
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"--dataset": "nowhere"}, "models is no folder: expected a data set in BOP's layout"),
+        ({"--results": "nowhere.csv"}, "nowhere.csv"),
+        ({"--masks": "nowhere.json"}, "nowhere.json"),
+        ({"--masks": "masks.txt"}, "expected --masks as a .json file, mask_visib or mask, got masks.txt"),
+        ({"--alpha": "1.5"}, "expected --alpha in 0..1, got 1.5"),
+        ({"--pixel-center": "1"}, "expected --pixel-center of at least 0 and below 1, got 1"),
+        ({"--demanded-ap": "1"}, "expected --demanded-ap above 0 and below 1, got 1"),
+        ({"--error-threshold-mm": "nan"}, "expected --error-threshold-mm above 0, got nan"),
+        ({"--resamples": "0"}, "expected --resamples of at least 1, got 0"),
+        ({"--seed": "-1"}, "expected --seed of at least 0, got -1"),
+    ],
+)
+def test_a_wrong_argument_ends_uq_with_one_line_and_code_2(arguments, capsys, change, words) -> None:
+    given = dict(zip(arguments[1::2], arguments[2::2], strict=True)) | change
+    code, out, err = run(["uq", *(word for pair in given.items() for word in pair)], capsys)
+    assert (code, out) == (2, "")
+    assert err.count("\n") == 1
+    assert words in err
+
+
+def test_a_mask_that_is_no_mask_is_refused(arguments, capsys, tmp_path) -> None:
+    arguments[arguments.index("--masks") + 1] = "mask_visib"
+    path = bop.mask_path(tmp_path / "test" / "000002", 0, 0)
+    path.write_text("no image")
+    code, out, err = run(arguments, capsys)
+    assert (code, out) == (2, "")
+    assert "000000_000000.png: expected an image" in err
