@@ -24,6 +24,10 @@ def killed(number: int) -> int:
     return number
 
 
+def ignores_interrupts(_: int) -> bool:
+    return signal.getsignal(signal.SIGINT) is signal.SIG_IGN
+
+
 @pytest.mark.parametrize("jobs", [1, 2, 5])
 def test_results_come_in_the_order_of_the_tasks(jobs: int) -> None:
     assert list(run_all(doubled, [3, 1, 2], jobs)) == [6, 2, 4]
@@ -39,13 +43,19 @@ def test_tasks_run_in_as_many_processes_as_asked_for_and_one_means_this_one() ->
     assert os.getpid() not in processes
 
 
+def test_workers_leave_interrupts_to_this_process_which_goes_on_to_hear_them() -> None:
+    before = signal.getsignal(signal.SIGINT)
+    assert list(run_all(ignores_interrupts, range(2), 2)) == [True, True]
+    assert signal.getsignal(signal.SIGINT) is before
+
+
 def test_closing_early_ends_the_workers_and_what_has_begun() -> None:
     before = multiprocessing.active_children()
-    stream = run_all(time.sleep, [0.0, 600.0, 600.0, 600.0], 2)
+    stream = run_all(time.sleep, [0.0, 20.0, 20.0, 20.0], 2)
     next(stream)
     begun = time.monotonic()
     stream.close()
-    assert time.monotonic() - begun < 10
+    assert time.monotonic() - begun < 10  # of 20 to 40 s that are left to do
     assert multiprocessing.active_children() == before
 
 
