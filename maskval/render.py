@@ -65,6 +65,7 @@ class Renderer:
             self._renderer: Any = pyrender.OffscreenRenderer(camera.width, camera.height)
         except Exception as error:  # whatever the platform's loader raises
             raise MissingRendererError(f"no OpenGL without a screen ({error}): install libegl1 and libgl1") from error
+        _leave_display(self._renderer._platform)
 
     def __enter__(self) -> Self:
         return self
@@ -73,8 +74,10 @@ class Renderer:
         self.close()
 
     def close(self) -> None:
-        """Gives the OpenGL context back."""
-        self._renderer.delete()
+        """Gives the OpenGL context back; what is closed renders no more."""
+        if self._renderer is not None:
+            self._renderer.delete()
+            self._renderer = None
 
     def depth(self, X_CO: Pose) -> NDArray[np.float32]:
         """The z-depth of the object, (H, W), metres; 0 where it is not.
@@ -133,6 +136,20 @@ def _pyrender() -> ModuleType:
         raise MissingRendererError(
             f"pyrender cannot be imported ({error}): pip install 'graspcell[render]', and libegl1 and libgl1"
         ) from error
+
+
+def _leave_display(platform: Any) -> None:
+    """Lets an EGL platform of pyrender end its context only: with the display it would end those of MuJoCo, too."""
+    if not hasattr(platform, "_egl_display"):
+        return
+    egl = import_module("OpenGL.EGL")
+
+    def delete_context() -> None:
+        egl.eglMakeCurrent(platform._egl_display, egl.EGL_NO_SURFACE, egl.EGL_NO_SURFACE, egl.EGL_NO_CONTEXT)
+        egl.eglDestroyContext(platform._egl_display, platform._egl_context)
+        platform._egl_display = platform._egl_context = None
+
+    platform.delete_context = delete_context
 
 
 def _both_sides(mesh: Mesh) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

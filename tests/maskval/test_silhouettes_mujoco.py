@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from maskval import Camera, Mesh, Pose, depth_image, silhouette
+from maskval.render import Renderer
 from tests.maskval import shapes
 
 CAMERA = Camera(600.0, 600.0, 310.0, 250.0, 640, 480)
@@ -79,6 +80,31 @@ def test_silhouette_and_depth_agree_with_mujoco_at_pixel_centre_one_half(shape, 
     # The other convention differs in some per cent of the pixels.
     assert wrong_at_0 > 0.01 * pixels
     assert np.quantile(errors, 0.999, method="lower") < 2e-4
+
+
+def test_mujoco_and_pyrender_take_turns_in_one_process() -> None:
+    mujoco = import_module("mujoco")
+    X_CO = Pose.from_translation((0, 0, 0.6))
+    model = scene(mujoco, shapes.star())
+    data = mujoco.MjData(model)
+    data.mocap_pos[0], data.mocap_quat[0] = X_CO.translation, X_CO.quaternion_wxyz
+    mujoco.mj_forward(model, data)
+
+    def drawn_by(renderer: Any) -> int:
+        renderer.enable_segmentation_rendering()
+        renderer.update_scene(data, camera="camera")
+        return int(np.count_nonzero(renderer.render()[..., 0] >= 0))
+
+    with mujoco.Renderer(model, CAMERA.height, CAMERA.width) as kept:
+        before = drawn_by(kept)
+        with Renderer(Mesh(*shapes.star()), CAMERA) as ours:
+            assert np.count_nonzero(ours.silhouette(X_CO)) == drawn_by(kept) == before > 10_000
+            assert np.count_nonzero(ours.silhouette(X_CO)) == before
+        ours.close()
+        # pyrender has given its context back, and neither the old nor a new context of MuJoCo misses anything.
+        assert drawn_by(kept) == before
+        with mujoco.Renderer(model, CAMERA.height, CAMERA.width) as later:
+            assert drawn_by(later) == before
 
 
 def test_the_scenes_camera_looks_along_opencvs_z() -> None:
