@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from maskval.bop.places import Place
 from maskval.errors import InvalidFileError, MaskvalError
 from maskval.geometry import Pose
 
@@ -22,12 +23,12 @@ class Entry:
 
     Args:
         value: The value.
-        place: The file, and the way to the value in it.
+        place: Where it stands in its file.
     """
 
     __slots__ = ("place", "value")
 
-    def __init__(self, value: Any, place: str) -> None:
+    def __init__(self, value: Any, place: Place) -> None:
         self.value = value
         self.place = place
 
@@ -41,7 +42,7 @@ class Entry:
         if key not in self.value:
             available = ", ".join(sorted(self.value)) or "nothing"
             raise InvalidFileError(f"{self.place}: expected the field {key!r}, but found only {available}")
-        return Entry(self.value[key], f"{self.place}: {key}")
+        return Entry(self.value[key], self.place.at(key))
 
     def __contains__(self, key: str) -> bool:
         return isinstance(self.value, dict) and key in self.value
@@ -53,14 +54,14 @@ class Entry:
         for key, value in self.value.items():
             if not key.isdigit():
                 raise InvalidFileError(f"{self.place}: expected whole numbers as keys, but found {key!r}")
-            yield int(key), Entry(value, f"{self.place}: {key}")
+            yield int(key), Entry(value, self.place.at(key))
 
     def elements(self) -> Iterator["Entry"]:
         """The elements of a list."""
         if not isinstance(self.value, list):
             raise self.error("a list")
         for index, value in enumerate(self.value):
-            yield Entry(value, f"{self.place}: [{index}]")
+            yield Entry(value, self.place.at(index))
 
     def integer(self) -> int:
         """A whole number."""
@@ -90,8 +91,9 @@ def read_json(path: Path) -> Entry:
     Raises:
         InvalidFileError: If it is no JSON.
     """
+    text = path.read_text(encoding="utf-8")
     try:
-        return Entry(json.loads(path.read_text(encoding="utf-8")), str(path))
+        return Entry(json.loads(text), Place(str(path), text))
     except json.JSONDecodeError as error:
         raise InvalidFileError(f"{path}:{error.lineno}:{error.colno}: expected JSON: {error.msg}") from error
 
@@ -112,7 +114,7 @@ def write_entries(path: Path, entries: dict[str, Any] | Sequence[Any]) -> None:
     path.write_text("\n".join((opening, ",\n".join(lines), closing, "")), encoding="utf-8")
 
 
-def pose_of(rotation: NDArray[np.float64], translation_mm: NDArray[np.float64], place: str) -> Pose:
+def pose_of(rotation: NDArray[np.float64], translation_mm: NDArray[np.float64], place: Place | str) -> Pose:
     """The pose of nine numbers, row by row, and three in millimetres.
 
     Args:

@@ -7,6 +7,7 @@ import pytest
 
 from maskval import InvalidFileError, Mesh, Pose, SymmetryAxis, bop, rle_counts
 from maskval.bop.detections import detection_of_mask
+from maskval.bop.places import Place
 from tests.maskval import shapes
 
 POSES = shapes.random_poses(seed=30, count=3)
@@ -191,9 +192,9 @@ def test_malformed_results_are_refused_with_line_and_column(tmp_path, content, w
     ("read", "content", "words"),
     [
         (bop.read_scene_gt, '{"0": [\n{"obj_id": }]}', r"file:2:12: expected JSON"),
-        (bop.read_scene_gt, "[]", r"file: expected an object of entries by their id, but found \[\]"),
-        (bop.read_scene_gt, '{"first": []}', r"file: expected whole numbers as keys, but found 'first'"),
-        (bop.read_scene_gt, '{"0": {}}', r"file: 0: expected a list, but found \{\}"),
+        (bop.read_scene_gt, "[]", r"file:1:1: expected an object of entries by their id, but found \[\]"),
+        (bop.read_scene_gt, '{"first": []}', r"file:1:1: expected whole numbers as keys, but found 'first'"),
+        (bop.read_scene_gt, '{"0": {}}', r"file:1:7: 0: expected a list, but found \{\}"),
         (bop.read_scene_gt, GT.replace("obj_id", "object"), r"0: \[0\]: expected the field 'obj_id', .* cam_R_m2c"),
         (bop.read_scene_gt, GT.replace("[0,0,1]", "[0,1]"), r"0: \[0\]: cam_t_m2c: expected a list of 3 numbers"),
         (bop.read_scene_gt, GT.replace("[0,0,1]", '[0,1,"a"]'), r'\[2\]: expected a finite number, but found "a"'),
@@ -235,6 +236,25 @@ def test_malformed_json_is_refused_with_its_place(tmp_path, read, content, words
 )
 def test_malformed_models_are_refused_with_their_line(tmp_path, content, words) -> None:
     assert_refused(tmp_path / "file", bop.read_model, content, words)
+
+
+def test_the_place_in_a_json_file_is_its_line_and_column(tmp_path) -> None:
+    lines = ('{"0": [],', ' "12": [{"cam_R_m2c": [1,0,0,0,1,0,0,0,1],', '   "cam_t_m2c": [0, 1, "a"]}]}')
+    # The third element of the third line's list begins at its 24th letter.
+    assert lines[2][24 - 1 :].startswith('"a"')
+    words = r'scene_gt.json:3:24: 12: \[0\]: cam_t_m2c: \[2\]: expected a finite number, but found "a"'
+    content = "\n".join(lines).replace("]}]}", '], "obj_id": 1}]}')
+    assert_refused(tmp_path / "scene_gt.json", bop.read_scene_gt, content, words)
+
+
+@pytest.mark.parametrize("key", ["a", 'b"\\n', "é", "]}"])
+def test_the_place_of_a_value_is_found_past_others_of_every_kind(key) -> None:
+    before = {"x": [1, {"y": "]}"}], "z": {}, "w": [], "n": None, "f": -1.5e3, "t": True}
+    text = json.dumps({"outer": [before, {**before, key: 7}]}, indent=1)
+    line, column = str(Place("file", text, ("outer", 1, key))).split(": ")[0].split(":")[1:]
+    assert text.splitlines()[int(line) - 1][int(column) - 1 :] == "7"
+    # JSON means the last of equal keys.
+    assert str(Place("file", '{"a": 1, "a": 2}', ("a",))) == "file:1:15: a"
 
 
 def test_images_that_are_no_masks_or_depths_are_refused(tmp_path) -> None:
