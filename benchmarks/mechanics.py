@@ -51,7 +51,7 @@ def measure(part: str) -> str:
     """Runs one experiment of a part; its figures as a line."""
     tool_errors.clear()
     spec = ExperimentSpec(part, "none", "oracle", load_thresholds("paper"), "ur-default", 8, 0, 0)
-    world = bench(spec.part, spec.parts, spec.hand_eye_error_mm, spec.maker_meshes).world
+    world = bench(*spec.cell).world
     vertices = world.part_model.part.mesh.vertices
     slips: list[float] = []
     lifted: dict[int, Pose] = {}

@@ -68,9 +68,11 @@ class Compare:
             if len(set(chosen)) < len(chosen):
                 raise UsageError(f"{name} names something twice: {' '.join(chosen)}")
         thresholds = load_thresholds(self.thresholds)
-        for part in self.objects:
-            for method in self.methods:
-                _check_part_and_method(part, method, self.thresholds)
+        names = {
+            _check_part_and_method(part, method, self.thresholds) for method in self.methods for part in self.objects
+        }
+        if len(names) < len(self.objects):
+            raise UsageError(f"--objects has files of the same part name: {' '.join(self.objects)}")
         return [
             ExperimentSpec(
                 part=part,
@@ -272,7 +274,8 @@ def _check_common(parts: int, seed: int, estimator: str, speed: str) -> None:
     _one_of("--speed", speed, tuple(PRESETS))
 
 
-def _check_part_and_method(part: str, method: str, thresholds: str) -> None:
+def _check_part_and_method(part: str, method: str, thresholds: str) -> str:
+    """The part's name, if part, error model, method and threshold exist."""
     from experiments.methods import METHODS, make_method
     from experiments.thresholds import load_thresholds
     from sim.errors import SimError
@@ -286,6 +289,7 @@ def _check_part_and_method(part: str, method: str, thresholds: str) -> None:
     except SimError as error:
         raise UsageError(str(error)) from error
     make_method(method, model.part.name, load_thresholds(thresholds))
+    return model.part.name
 
 
 def _at_least(name: str, value: int, least: int) -> None:

@@ -58,6 +58,11 @@ class ExperimentSpec:
     hand_eye_error_mm: tuple[float, float, float] = (0.0, 0.0, 0.0)
     maker_meshes: bool = False
 
+    @property
+    def cell(self) -> tuple[str, int, tuple[float, float, float], bool]:
+        """What the model of the cell depends on."""
+        return self.part, self.parts, self.hand_eye_error_mm, self.maker_meshes
+
 
 @dataclass(frozen=True, slots=True)
 class Result:
@@ -78,8 +83,8 @@ class Bench:
 
 
 @lru_cache(maxsize=4)
-def bench(part: str, parts: int, hand_eye_error_mm: tuple[float, float, float], maker_meshes: bool = False) -> Bench:
-    """The bench for a kind of part; benches are kept, since compiling and opening a renderer take a second."""
+def bench(part: str, parts: int, hand_eye_error_mm: tuple[float, float, float], maker_meshes: bool, /) -> Bench:
+    """The bench of a spec's `cell`; benches are kept, since compiling and opening a renderer take a second."""
     layout = Layout()
     X_FC_true = layout.X_FC @ Pose.from_translation(np.array(hand_eye_error_mm) / 1000.0)
     world = World(layout, load_part(part), parts, X_FC_true, maker_meshes)
@@ -113,7 +118,7 @@ def run_experiment(spec: ExperimentSpec, tell: Callable[[object, TruthBooth], No
             tell(record, booth)
 
     # What fails here fails for every experiment, and is no result of this one.
-    bench(spec.part, spec.parts, spec.hand_eye_error_mm, spec.maker_meshes)
+    bench(*spec.cell)
     count, failure = None, None
     try:
         count = make_cycle(spec, model, booth, listen).run()
@@ -135,7 +140,7 @@ def make_cycle(
 ) -> Cycle:
     """The cell, set up and reset, with everything that one experiment needs; `estimators` replace the spec's."""
     method = make_method(spec.method, model.part.name, spec.thresholds)
-    here = bench(spec.part, spec.parts, spec.hand_eye_error_mm, spec.maker_meshes)
+    here = bench(*spec.cell)
     layout = here.world.layout
     here.world.reset(starting_poses(model, spec, layout))
     station = SimStation(here.world, here.camera, booth)

@@ -44,7 +44,7 @@ def picture(config: Picture) -> int:
 
 
 def _take(spec: ExperimentSpec, config: Picture) -> None:
-    world = bench(spec.part, spec.parts, spec.hand_eye_error_mm, spec.maker_meshes).world
+    world = bench(*spec.cell).world
     width, height = config.size
     camera = Camera(world.model, height, width)
     try:

@@ -109,10 +109,18 @@ SCHEMAS = {
 
 
 class LogWriter:
-    """Writes one Parquet file per table into a folder; a context manager, so that what was written is always whole."""
+    """Writes one Parquet file per table into a folder; a context manager, so that what was written is always whole.
+
+    The files grow aside and take their names at the end; an error before the first row leaves earlier logs untouched.
+    """
 
     def __init__(self, folder: Path) -> None:
-        self._writers = {name: pq.ParquetWriter(folder / f"{name}.parquet", schema) for name, schema in SCHEMAS.items()}
+        self._asides = {folder / f".{name}.parquet.part": folder / f"{name}.parquet" for name in SCHEMAS}
+        self._writers = {
+            name: pq.ParquetWriter(aside, schema)
+            for aside, (name, schema) in zip(self._asides, SCHEMAS.items(), strict=True)
+        }
+        self._empty = True
 
     def write(self, tables: Tables) -> None:
         """Appends the rows of one experiment.
@@ -123,6 +131,7 @@ class LogWriter:
         unknown = set(tables) ^ set(SCHEMAS)
         if unknown:
             raise KeyError(f"expected rows for exactly {', '.join(SCHEMAS)}; wrong: {', '.join(sorted(unknown))}")
+        self._empty = False
         for name, rows in tables.items():
             self._writers[name].write_table(pa.Table.from_pylist(list(rows), schema=SCHEMAS[name]))
 
@@ -134,3 +143,8 @@ class LogWriter:
     ) -> None:
         for writer in self._writers.values():
             writer.close()
+        for aside, file in self._asides.items():
+            if self._empty and error is not None:
+                aside.unlink()
+            else:
+                aside.replace(file)

@@ -194,7 +194,7 @@ def test_an_experiment_run_alone_has_the_rows_that_it_has_among_others(
 def beginning(spec: ExperimentSpec) -> list[float]:
     """Where all parts lie when the experiment begins, and where the arm is."""
     make_cycle(spec, load_part(spec.part), TruthBooth(), lambda _: None)
-    world = bench(spec.part, spec.parts, spec.hand_eye_error_mm, spec.maker_meshes).world
+    world = bench(*spec.cell).world
     qpos: list[float] = world.data.qpos.tolist()
     assert len(qpos) == 6 + 2 + 7 * PARTS
     return qpos

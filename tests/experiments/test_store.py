@@ -1,3 +1,4 @@
+import re
 from pathlib import Path
 from typing import Any
 
@@ -113,3 +114,21 @@ def test_what_was_written_before_an_exception_can_be_read(tmp_path: Path, error:
         write_and_fail()
     for name in SCHEMAS:
         assert read(tmp_path, name) == rows()[name]
+
+
+def test_an_error_before_the_first_row_leaves_earlier_logs_untouched(tmp_path: Path) -> None:
+    with LogWriter(tmp_path):
+        pass
+    before = {path.name: path.stat().st_mtime_ns for path in tmp_path.iterdir()}
+    assert set(before) == {f"{name}.parquet" for name in SCHEMAS}
+    with pytest.raises(RuntimeError, match="no cell"), LogWriter(tmp_path):
+        raise RuntimeError("no cell")
+    assert {path.name: path.stat().st_mtime_ns for path in tmp_path.iterdir()} == before
+
+
+def test_the_page_about_the_logs_names_every_column_with_its_meaning() -> None:
+    page = (Path(__file__).parents[2] / "docs" / "logs.md").read_text(encoding="utf-8")
+    rows = [(field.name, field.metadata[b"meaning"].decode()) for schema in SCHEMAS.values() for field in schema]
+    assert len(rows) > 60
+    for name, meaning in rows:
+        assert re.search(rf"\| `{name}` \| [^|]+ \| {re.escape(meaning)} \|", page), name
