@@ -12,6 +12,7 @@ from typing import Annotated, Any
 import tyro
 
 from experiments.config import Compare, Picture, Run, Tolerance
+from experiments.dataset_config import Dataset
 from experiments.errors import UsageError
 from experiments.uq import Uq, uq
 from sim.errors import GraphicsError
@@ -55,11 +56,18 @@ def _tolerance(config: Tolerance) -> int:
     return tolerance(config)
 
 
+def _dataset(config: Dataset) -> int:
+    from experiments.dataset import dataset  # noqa: PLC0415
+
+    return dataset(config)
+
+
 _COMMAND: Any = (
     Annotated[Compare, tyro.conf.subcommand("compare")]
     | Annotated[Run, tyro.conf.subcommand("run")]
     | Annotated[Picture, tyro.conf.subcommand("picture")]
     | Annotated[Tolerance, tyro.conf.subcommand("tolerance")]
+    | Annotated[Dataset, tyro.conf.subcommand("dataset")]
     | Annotated[Uq, tyro.conf.subcommand("uq")]
 )
 COMMANDS: dict[str, tuple[type[Any], Callable[[Any], int]]] = {
@@ -67,6 +75,7 @@ COMMANDS: dict[str, tuple[type[Any], Callable[[Any], int]]] = {
     "run": (Run, _run),
     "picture": (Picture, _picture),
     "tolerance": (Tolerance, _tolerance),
+    "dataset": (Dataset, _dataset),
     "uq": (Uq, uq),
 }
 
@@ -76,7 +85,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     given = list(sys.argv[1:] if arguments is None else arguments)
     try:
         config = parse(given)
-        if not isinstance(config, Uq):  # it needs no physics
+        if not isinstance(config, Uq | Dataset):  # they need no physics
             _load_engine()
         jobs = dict(COMMANDS.values())
         code = jobs[type(config)](config)

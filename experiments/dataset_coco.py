@@ -1,0 +1,149 @@
+"""COCO's figures of a detector: pycocotools matches masks, image by image; AP and AR follow for any weights of images.
+
+COCO's own accumulation takes a second per set, too long for a bootstrap: the one here is the same in arrays.
+"""
+
+import contextlib
+import io
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple, Self
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+from pycocotools import mask as run_lengths
+from pycocotools.coco import COCO
+from pycocotools.cocoeval import COCOeval
+
+_RECALLS = np.linspace(0.0, 1.0, 101)
+_EPSILON = np.spacing(1)  # as in pycocotools
+_THRESHOLDS = 10  # IoU .50, .55 ... .95
+_MOST = 100  # detections of one image, the best scores first
+
+Mask = NDArray[np.bool_]
+Array = NDArray[np.float64]
+
+
+class MaskFigures(NamedTuple):
+    """AP over IoU .50 to .95, AP at .50, and AR over .50 to .95, in [0, 1]; None without annotated parts."""
+
+    ap_50_95: float | None
+    ap_50: float | None
+    ar_100: float | None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Matches:
+    """D detections of I images.
+
+    Attributes:
+        image: image of each detection, (D,).
+        score: (D,).
+        right: whether it is matched at each IoU threshold, (D, 10).
+        counts: whether it counts there, (D, 10); it does not when it shows a part that is not annotated.
+        annotated: annotated parts of each image, (I,).
+    """
+
+    image: NDArray[np.int64]
+    score: Array
+    right: Mask
+    counts: Mask
+    annotated: NDArray[np.int64]
+
+    @classmethod
+    def join(cls, runs: Sequence[Self]) -> Self:
+        """The matches of runs of images, one after the other."""
+        annotated = [run.annotated for run in runs]
+        first = np.cumsum([0, *map(len, annotated)])
+        return cls(
+            image=np.concatenate([run.image + before for run, before in zip(runs, first, strict=False)]),
+            score=np.concatenate([run.score for run in runs]),
+            right=np.concatenate([run.right for run in runs]),
+            counts=np.concatenate([run.counts for run in runs]),
+            annotated=np.concatenate(annotated),
+        )
+
+
+@dataclass(slots=True)
+class Annotations:
+    """Masks of images, collected as run lengths."""
+
+    images: int = 0
+    truths: list[dict[str, Any]] = field(default_factory=list)
+    found: list[dict[str, Any]] = field(default_factory=list)
+
+    def add(self, truths: list[tuple[Mask, bool]], found: list[tuple[Mask, float]]) -> None:
+        """One more image.
+
+        Args:
+            truths: Visible mask of each part, and whether it is annotated: else COCO takes it for a crowd, which is
+                neither to be found nor wrong to find.
+            found: Mask and score of each detection.
+        """
+        self.images += 1
+        for mask, annotated in truths:
+            self.truths.append(self._row(len(self.truths), mask) | {"iscrowd": int(not annotated)})
+        for mask, score in found:
+            self.found.append(self._row(len(self.found), mask) | {"score": score})
+
+    def _row(self, index: int, mask: Mask) -> dict[str, Any]:
+        encoded = run_lengths.encode(cv2.transpose(mask.view(np.uint8)).T)  # column by column
+        area = int(np.count_nonzero(mask))
+        return {"id": index + 1, "image_id": self.images, "category_id": 1, "area": area, "segmentation": encoded}
+
+    def evaluation(self) -> Any:
+        """COCO's evaluation of one category, all sizes and 100 detections, matched but not accumulated."""
+        with contextlib.redirect_stdout(io.StringIO()):  # it talks
+            evaluation = COCOeval(self._coco(self.truths), self._coco(self.found), "segm")
+            evaluation.params.areaRng, evaluation.params.areaRngLbl = [[0, 1e10]], ["all"]
+            evaluation.params.maxDets = [_MOST]
+            evaluation.evaluate()
+        return evaluation
+
+    def _coco(self, rows: list[dict[str, Any]]) -> Any:
+        coco = COCO()
+        # pycocotools looks at the images' sizes, but does not use them for run lengths.
+        images = [{"id": image + 1, "height": 0, "width": 0} for image in range(self.images)]
+        coco.dataset = {"images": images, "categories": [{"id": 1}], "annotations": rows}
+        coco.createIndex()
+        return coco
+
+    def matches(self) -> Matches:
+        """COCO's matching of detections and parts."""
+        images = self.evaluation().evalImgs
+        rows = [(index, row) for index, row in enumerate(images) if row is not None]
+        annotated = np.zeros(self.images, dtype=np.int64)
+        for index, row in rows:
+            annotated[index] = np.count_nonzero(np.asarray(row["gtIgnore"]) == 0)
+        nothing = np.zeros((0, _THRESHOLDS), dtype=np.bool_)
+        return Matches(
+            image=np.repeat([index for index, _ in rows], [len(row["dtScores"]) for _, row in rows]).astype(np.int64),
+            score=np.concatenate([np.empty(0), *(row["dtScores"] for _, row in rows)]),
+            right=np.concatenate([nothing, *(row["dtMatches"].T > 0 for _, row in rows)]),
+            counts=np.concatenate([nothing, *(~row["dtIgnore"].T.astype(bool) for _, row in rows)]),
+            annotated=annotated,
+        )
+
+
+def mask_figures(matches: Matches, weights: NDArray[np.int64] | None = None) -> MaskFigures:
+    """COCO's AP and AR.
+
+    Args:
+        matches: Detections and annotated parts.
+        weights: How often each image is in the sample, (I,); once by default.
+    """
+    often = np.ones(len(matches.annotated), dtype=np.int64) if weights is None else weights
+    parts = int(often @ matches.annotated)
+    if parts == 0:
+        return MaskFigures(None, None, None)
+    order = np.argsort(-matches.score, kind="stable")
+    weight = often[matches.image[order], None] * matches.counts[order]
+    right = np.cumsum(weight * matches.right[order], axis=0, dtype=np.float64)
+    recall = right / parts
+    precision = right / (np.cumsum(weight, axis=0) + _EPSILON)
+    # The best precision at this recall or a higher one; beyond the last recall it is 0.
+    best = np.maximum.accumulate(precision[::-1], axis=0)[::-1]
+    best = np.vstack((best, np.zeros(_THRESHOLDS)))
+    ap = [best[np.searchsorted(recall[:, t], _RECALLS), t].mean() for t in range(_THRESHOLDS)]
+    return MaskFigures(float(np.mean(ap)), float(ap[0]), float(recall[-1].mean()) if len(recall) else 0.0)

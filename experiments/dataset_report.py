@@ -1,0 +1,103 @@
+"""The paper's dataset tables as text, ours beside the paper's, and the thresholds that `compare` takes."""
+
+import json
+from collections.abc import Sequence
+
+from experiments.dataset_metrics import Figures
+from experiments.dataset_paper import MASK_TABLE, METHOD_TABLE
+from experiments.dataset_score import Scored
+from experiments.thresholds import load_thresholds
+from maskval import Measured
+
+_MASK_NAMES = {"ap_50_95": "AP50:95", "ap_50": "AP50", "ar_100": "AR100"}
+_PAPERS_METHODS = ("ensemble-add", "maskval")
+
+
+def format_tables(sets: Sequence[Scored]) -> str:
+    """All tables; percentages but for Spearman and u, which are in [-1, 1] and [0, 1]."""
+    lines = ["95 % intervals in brackets, the paper's value after the bar; - where it is undefined"]
+    lines += [
+        "",
+        "detector, %",
+        f"{'object':10} {'images':>7} " + " ".join(f"{name:>29}" for name in _MASK_NAMES.values()),
+    ]
+    for one in sets:
+        paper = MASK_TABLE.get(one.object, {})
+        cells = (_cell(one.mask[name], paper.get(name), 100.0) for name in _MASK_NAMES)
+        lines.append(f"{one.object:10} {one.images:7} " + " ".join(cells))
+    lines += [
+        "",
+        "uncertainty",
+        f"{'object':10} {'method':13} {'Spearman':>29} {'AUC AR, %':>29} {'u_t,g at 15 mm':>29}",
+    ]
+    for one in sets:
+        for method, row in one.methods.items():
+            theirs = METHOD_TABLE.get((one.object, method), {})
+            cells = (
+                _cell(row[name], theirs.get(name), 100.0 if name == "auc_ar" else 1.0, 1 if name == "auc_ar" else 3)
+                for name in row
+            )
+            lines.append(f"{one.object:10} {method:13} " + " ".join(cells))
+    lines += ["", "poses"]
+    for one in sets:
+        median = one.median_mdd_m
+        ap, ar = (_number(rate, 100.0, 1) for rate in one.unfiltered)
+        lines.append(
+            f"{one.object:10} {one.poses} poses, {one.parts} parts; median MDD {_own(median, 1000.0, 2)} mm; "
+            f"all kept, AP at 15 mm is {ap} %, AR {ar} %"
+        )
+    return "\n".join(lines)
+
+
+def format_alternatives(found: dict[str, dict[str, dict[str, Figures]]]) -> str:
+    """What every other counting rule would give, by object."""
+    lines = ["", "by another rule", f"{'object':10} {'rule':27} {'method':13} Spearman AUC AR, %  u_t,g"]
+    for name, rules in found.items():
+        for rule, methods in rules.items():
+            for method, one in methods.items():
+                lines.append(
+                    f"{name:10} {rule:27} {method:13} {_number(one.spearman, 1.0, 3):>8} "
+                    f"{_number(one.auc_ar, 100.0, 1):>9} {_number(one.u_tg, 1.0, 3):>6}"
+                )
+    return "\n".join(lines)
+
+
+def thresholds_toml(sets: Sequence[Scored], refine: float | None = None) -> str:
+    """The derived thresholds in the form of `experiments/presets/paper.toml`; what could not be found is left out.
+
+    Args:
+        sets: The parts' figures.
+        refine: u_t,r; the paper's by default, for it cannot be had from a dataset.
+    """
+    if refine is None:
+        refine = load_thresholds("paper").refine
+    lines = [
+        "# Thresholds u_t,g at e_t = 15 mm and AP >= 0.99, derived by `graspcell dataset`; u_t,r is the paper's.",
+        "",
+    ]
+    lines += [f"refine = {refine!r}", "", "[grasp]"]
+    for one in sets:
+        lines += ["", f"[grasp.{json.dumps(one.object)}]"]
+        for method in _PAPERS_METHODS:
+            u = one.methods[method]["u_tg"].value
+            lines.append(f"# {method}: no threshold reaches the AP" if u is None else f"{method} = {u!r}")
+    lines += ["", "# The least disagreement of the two estimators on the set, in metres.", "[ensemble_add_minimum_m]"]
+    for one in sets:
+        if one.least_disagreement_m is not None:
+            lines.append(f"{json.dumps(one.object)} = {one.least_disagreement_m!r}")
+    return "\n".join(lines) + "\n"
+
+
+def _cell(measured: Measured, paper: float | None, unit: float, digits: int = 1) -> str:
+    """The value, its interval and the paper's value, in a column's width."""
+    return f"{_own(measured, unit, digits):>21} | {_number(paper, unit, digits):>5}"
+
+
+def _own(measured: Measured, unit: float, digits: int) -> str:
+    """The value and its interval."""
+    low, high = measured.interval or (None, None)
+    return f"{_number(measured.value, unit, digits)} [{_number(low, unit, digits)}, {_number(high, unit, digits)}]"
+
+
+def _number(value: float | None, unit: float, digits: int) -> str:
+    return "-" if value is None else f"{unit * value:.{digits}f}"
