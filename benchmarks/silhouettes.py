@@ -128,13 +128,14 @@ def main() -> None:
             missing[name] = worker.missing
             print(f"missing: {name}: {worker.missing}")
     try:
+        tables = {name: worker.ask("table", "antenna", "VGA") for name, worker in workers.items()}
+        times = time_all(workers, options.rounds)
+        # Asked for last, so that it is what was timed that is looked at.
         pixels = {name: {} for name in workers}
         for name, worker in workers.items():
             for which, camera in product(OBJECTS, CAMERAS):
                 wrong, total = wrong_pixels(worker.ask("masks", which, camera), which, camera)
                 pixels[name][f"{which} {camera}"] = {"wrong": wrong, "of": total}
-        tables = {name: worker.ask("table", "antenna", "VGA") for name, worker in workers.items()}
-        times = time_all(workers, options.rounds)
     finally:
         for worker in workers.values():
             worker.stop()

@@ -1,5 +1,7 @@
 """moderngl: the least OpenGL can do, a bare shader into a buffer of one channel."""
 
+from functools import cache
+
 import moderngl
 import numpy as np
 from numpy.typing import NDArray
@@ -12,13 +14,19 @@ MASK = "#version 330\nin float z; out float c; void main() { c = 1.0; }"
 DEPTH = "#version 330\nin float z; out float c; void main() { c = z; }"
 
 
+@cache
+def shared_context() -> moderngl.Context:
+    """One context for all meshes and sizes: with several, each draw would have to change the current one."""
+    return moderngl.create_standalone_context(backend="egl")
+
+
 class Contender:
     """R8 for the mask, R32F with a depth buffer for the depth, back faces culled."""
 
     PIXEL_CENTER = 0.5
 
     def __init__(self, mesh: Mesh, camera: Camera) -> None:
-        self._context = context = moderngl.create_standalone_context(backend="egl")
+        self._context = context = shared_context()
         self._size = (camera.width, camera.height)
         vertices = context.buffer(mesh.vertices.astype("f4").tobytes())
         faces = context.buffer(mesh.faces.astype("i4").tobytes())
