@@ -16,6 +16,7 @@ from experiments.dataset_report import format_alternatives, format_tables, thres
 from experiments.dataset_score import Scored, alternatives, score
 from experiments.pool import run_all
 from experiments.provenance import manifest, write_json
+from sim.dataset import Recipe
 from sim.parts import load_part
 
 WORKER_DIED = 1  # the exit code
@@ -42,7 +43,7 @@ def dataset(config: Dataset) -> int:
         return WORKER_DIED
     write_json(folder / "dataset.json", {"objects": [one.as_json() for one in sets]})
     (folder / "thresholds.toml").write_text(thresholds_toml(sets), encoding="utf-8")
-    write_json(folder / "manifest.json", {**manifest(config), "seed": config.seed})
+    write_json(folder / "manifest.json", {**manifest(config), "seed": config.seed, "recipe": Recipe()})
     if config.figures:
         from experiments.dataset_figures import draw_curves, draw_errors  # noqa: PLC0415  # needs an extra
 

@@ -1,4 +1,4 @@
-"""Bootstrap samples of the paper's figures, a thousand times faster than evaluating each sample anew.
+"""Bootstrap samples of the paper's figures, without evaluating each sample anew.
 
 A sample of whole images is how often each image is in it. A mean over images is then a weighted sum, and one sweep over
 the poses of the whole set gives every pose's share in it: only the weights change from sample to sample.

@@ -107,7 +107,8 @@ def test_dataset_json_holds_the_contract_and_the_tables_name_the_paper(
         "curves.png",
         "errors.png",
     }
-    assert json.loads((tmp_path / "manifest.json").read_text())["config"]["images"] == 12
+    manifest = json.loads((tmp_path / "manifest.json").read_text())
+    assert (manifest["config"]["images"], manifest["recipe"]["distance"]) == (12, [0.4, 1.2])
 
 
 def test_compare_takes_the_derived_thresholds(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
