@@ -1,3 +1,4 @@
+import re
 from pathlib import Path
 
 import numpy as np
@@ -153,3 +154,12 @@ def test_a_cube_rests_on_each_of_its_six_sides() -> None:
     poses = resting_poses(trimesh.creation.box((0.1, 0.1, 0.1)))
     assert len(poses) == 6
     assert [pose.probability for pose in poses] == pytest.approx([1 / 6] * 6, abs=0.02)
+
+
+def test_the_documented_part_of_your_own_loads_and_can_be_gripped_however_it_lies(tmp_path: Path) -> None:
+    page = (Path(__file__).parents[2] / "docs" / "cell.md").read_text(encoding="utf-8")
+    (text,) = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)
+    model = load_part(brick_file(tmp_path, text))
+    assert len(model.resting_poses) == 6
+    for pose in model.resting_poses:
+        assert min((pose.rotation @ grasp.X_OT.rotation[:, 2])[2] for grasp in model.part.grasps) < -0.99
