@@ -81,7 +81,8 @@ class _Swept:
         # Without ties each pose is a threshold of its own, and its share is a difference.
         ranked = replace(evaluation, u=place)
         sweeps = [sweep(ranked, float(e_t), rules.counting) for e_t in ERRORS_M]
-        self._ap = [_shares(one.ap) for one in sweeps]
+        self._ap = [_shares(one.ap).total for one in sweeps]
+        self._ap_terms = _shares(sweeps[0].ap).terms  # a pose is kept or not, whatever its error
         self._ar = [_shares(one.ar) for one in sweeps]
 
     def figures(self, weights: Weights) -> tuple[list[float], list[float | None]]:
@@ -90,12 +91,12 @@ class _Swept:
         # An image without remaining poses may count as AP 1: then all images are terms from the start.
         start = float(weights.shape[1]) if self._rules.empty_images == "one" else 0.0
         eligible = (weights @ self._owed).astype(np.float64)
+        terms = start + np.cumsum(often * self._ap_terms, axis=1)[:, self.ends]
         ar = np.zeros((len(weights), len(ERRORS_M)))
         reached = np.zeros(ar.shape, dtype=np.bool_)
         u_tg: list[float | None] = []
         for e, (precision, recall) in enumerate(zip(self._ap, self._ar, strict=True)):
-            total = start + np.cumsum(often * precision.total, axis=1)[:, self.ends]
-            terms = start + np.cumsum(often * precision.terms, axis=1)[:, self.ends]
+            total = start + np.cumsum(often * precision, axis=1)[:, self.ends]
             # A threshold below all poses of the sample does not exist in it: it must not count as a violation.
             ends = chosen(reaches(Mean(total, terms)) | (terms == 0), self._rules.threshold)
             kept = [often[row, : self.ends[end] + 1] if end >= 0 else often[row, :0] for row, end in enumerate(ends)]
