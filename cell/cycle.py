@@ -20,7 +20,7 @@ from cell.motion import Motion, Unreachable
 from cell.perception import Perception
 from cell.records import AttemptRecord, Count, Seen, Slot, State, Transition
 from cell.search import SearchRun, refinement_view, search_run
-from cell.trajectory import PRESETS, SpeedPreset
+from cell.speed import PRESETS, SpeedPreset
 from maskval import Pose
 
 

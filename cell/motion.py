@@ -7,7 +7,8 @@ from numpy.typing import NDArray
 
 from cell.interfaces import Contact, Station, Touch
 from cell.layout import Layout
-from cell.trajectory import SpeedPreset, joint_move, line_move
+from cell.speed import SpeedPreset
+from cell.trajectory import joint_move, line_move
 from cell.ur10 import forward, inverse_on_branch
 from maskval import Pose
 

@@ -7,7 +7,8 @@ from contextlib import closing
 from tqdm import tqdm
 
 from cell.records import Count
-from experiments.config import Compare, writable_folder
+from experiments.checks import writable_folder
+from experiments.config import Compare
 from experiments.experiment import ExperimentSpec, Result, run_experiment
 from experiments.pool import run_all
 from experiments.provenance import manifest, write_json

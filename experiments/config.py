@@ -1,21 +1,17 @@
-"""What a person sets on the command line, and the checks that turn it into experiments."""
+"""What a person sets on the command line, and the experiments that it asks for."""
 
 # ruff: noqa: PLC0415  # the engine is loaded when a job begins: --help does not wait for it, nor need OpenGL
 
 import math
-import os
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal, get_args
+from typing import TYPE_CHECKING
 
+from experiments.checks import Kind, at_least, check_cell, check_part_and_method, one_of, worker_count
 from experiments.errors import UsageError
 
 if TYPE_CHECKING:
     from experiments.experiment import ExperimentSpec
-
-Kind = Literal["noisy", "oracle"]
-ESTIMATORS = get_args(Kind)
-_MOST = 2**31 - 1  # what the logs' columns hold
 
 
 @dataclass(frozen=True)
@@ -57,9 +53,9 @@ class Compare:
         from experiments.experiment import ExperimentSpec
         from experiments.thresholds import load_thresholds
 
-        _check_common(self.parts, self.seed, self.estimator, self.speed)
-        _at_least("--experiments", self.experiments, 1)
-        _at_least("--jobs", self.jobs, 0)
+        check_cell(self.parts, self.seed, self.estimator, self.speed)
+        at_least("--experiments", self.experiments, 1)
+        at_least("--jobs", self.jobs, 0)
         if not all(map(math.isfinite, self.hand_eye_error_mm)):
             raise UsageError(f"expected --hand-eye-error-mm of finite numbers, got {self.hand_eye_error_mm}")
         for name, chosen in (("--objects", self.objects), ("--methods", self.methods)):
@@ -69,7 +65,7 @@ class Compare:
                 raise UsageError(f"{name} names something twice: {' '.join(chosen)}")
         thresholds = load_thresholds(self.thresholds)
         names = {
-            _check_part_and_method(part, method, self.thresholds) for method in self.methods for part in self.objects
+            check_part_and_method(part, method, self.thresholds) for method in self.methods for part in self.objects
         }
         if len(names) < len(self.objects):
             raise UsageError(f"--objects has files of the same part name: {' '.join(self.objects)}")
@@ -93,7 +89,7 @@ class Compare:
     @property
     def workers(self) -> int:
         """Processes to use."""
-        return self.jobs or os.cpu_count() or 1
+        return worker_count(self.jobs)
 
 
 @dataclass(frozen=True)
@@ -131,9 +127,9 @@ class Run:
         from experiments.experiment import ExperimentSpec
         from experiments.thresholds import load_thresholds
 
-        _check_common(self.parts, self.seed, self.estimator, self.speed)
-        _at_least("--experiment", self.experiment, 0)
-        _check_part_and_method(self.object, self.method, self.thresholds)
+        check_cell(self.parts, self.seed, self.estimator, self.speed)
+        at_least("--experiment", self.experiment, 0)
+        check_part_and_method(self.object, self.method, self.thresholds)
         return ExperimentSpec(
             part=self.object,
             method=self.method,
@@ -177,16 +173,16 @@ class Picture:
         from experiments.experiment import ExperimentSpec
         from experiments.thresholds import load_thresholds
 
-        _check_common(1, self.seed, "oracle", "ur-default")
-        _at_least("--after", self.after, 0)
-        _one_of("--state", self.state, tuple(state.value for state in State))
-        _one_of("--camera", self.camera, ("overview", "wrist"))
+        check_cell(1, self.seed, "oracle", "ur-default")
+        at_least("--after", self.after, 0)
+        one_of("--state", self.state, tuple(state.value for state in State))
+        one_of("--camera", self.camera, ("overview", "wrist"))
         width, height = self.size
         if not (1 <= width <= 1920 and 1 <= height <= 1080):
             raise UsageError(f"expected --size within 1 1 and 1920 1080, got {width} {height}")
         if self.out.suffix not in (".png", ".jpg"):
             raise UsageError(f"expected --out to end in .png or .jpg, got {self.out}")
-        _check_part_and_method(self.object, "none", "paper")
+        check_part_and_method(self.object, "none", "paper")
         return ExperimentSpec(
             part=self.object,
             method="none",
@@ -234,13 +230,13 @@ class Tolerance:
         from experiments.experiment import ExperimentSpec
         from experiments.thresholds import load_thresholds
 
-        _check_common(1, self.seed, "oracle", self.speed)
-        _at_least("--trials", self.trials, 1)
-        _at_least("--jobs", self.jobs, 0)
+        check_cell(1, self.seed, "oracle", self.speed)
+        at_least("--trials", self.trials, 1)
+        at_least("--jobs", self.jobs, 0)
         for mdd_mm in self.mdd_mm:
             if not 0 <= mdd_mm <= 100:
                 raise UsageError(f"expected --mdd-mm in 0..100, got {mdd_mm:g}")
-        _check_part_and_method(part, "none", "paper")
+        check_part_and_method(part, "none", "paper")
         return [
             ExperimentSpec(
                 part=part,
@@ -258,61 +254,4 @@ class Tolerance:
     @property
     def workers(self) -> int:
         """Processes to use."""
-        return self.jobs or os.cpu_count() or 1
-
-
-def _check_common(parts: int, seed: int, estimator: str, speed: str) -> None:
-    from cell.layout import Container
-    from cell.trajectory import PRESETS
-
-    container = Container()
-    slots = container.rows * container.columns
-    if not 1 <= parts <= slots:
-        raise UsageError(f"expected --parts in 1..{slots}, the container's slots, got {parts}")
-    _at_least("--seed", seed, 0)
-    _one_of("--estimator", estimator, ESTIMATORS)
-    _one_of("--speed", speed, tuple(PRESETS))
-
-
-def _check_part_and_method(part: str, method: str, thresholds: str) -> str:
-    """The part's name, if part, error model, method and threshold exist."""
-    from experiments.methods import METHODS, make_method
-    from experiments.thresholds import load_thresholds
-    from sim.errors import SimError
-    from sim.noise import load_noise
-    from sim.parts import load_part
-
-    _one_of("--method", method, tuple(METHODS))
-    try:
-        model = load_part(part)
-        load_noise(model.noise)
-    except SimError as error:
-        raise UsageError(str(error)) from error
-    make_method(method, model.part.name, load_thresholds(thresholds))
-    return model.part.name
-
-
-def _at_least(name: str, value: int, least: int) -> None:
-    if not least <= value <= _MOST:
-        raise UsageError(f"expected {name} of at least {least} and at most {_MOST}, got {value}")
-
-
-def _one_of(name: str, value: str, valid: tuple[str, ...]) -> None:
-    if value not in valid:
-        raise UsageError(f"unknown {name.removeprefix('--')} {value!r}: expected one of {', '.join(valid)}")
-
-
-def writable_folder(folder: Path) -> Path:
-    """The folder, made if missing and tried out.
-
-    Raises:
-        UsageError: it cannot be written to.
-    """
-    probe = folder / ".graspcell-probe"
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        probe.touch()
-        probe.unlink()
-    except OSError as error:
-        raise UsageError(f"cannot write to {folder}: {error.strerror or error}; expected a writable folder") from error
-    return folder
+        return worker_count(self.jobs)

@@ -7,7 +7,7 @@ from contextlib import closing
 
 from tqdm import tqdm
 
-from experiments.config import writable_folder
+from experiments.checks import writable_folder
 from experiments.dataset_batch import BatchTask, Judged, run_batch
 from experiments.dataset_coco import Matches
 from experiments.dataset_config import Dataset

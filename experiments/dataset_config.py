@@ -6,7 +6,7 @@ import os
 from dataclasses import dataclass
 from pathlib import Path
 
-from experiments.config import _at_least, writable_folder
+from experiments.checks import at_least, writable_folder
 from experiments.dataset_rules import Averaging, Choice, EmptyImages, FalseNegatives, Minimum, Range, Rules, Visibility
 from experiments.errors import UsageError
 
@@ -94,7 +94,7 @@ class Dataset:
             ("--jobs", self.jobs, 0),
             ("--resamples", self.resamples, 1),
         ):
-            _at_least(name, value, least)
+            at_least(name, value, least)
         if not 0 <= self.annotated_visibility <= 1:
             raise UsageError(f"expected --annotated-visibility in 0..1, got {self.annotated_visibility:g}")
         if not self.objects:

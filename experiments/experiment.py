@@ -12,7 +12,7 @@ from cell.interfaces import Listener, MaskEstimator, PoseEstimator
 from cell.layout import Layout
 from cell.perception import Perception
 from cell.records import Count
-from cell.trajectory import PRESETS
+from cell.speed import PRESETS
 from experiments.methods import make_method
 from experiments.recorder import Recorder, Row
 from experiments.thresholds import Thresholds

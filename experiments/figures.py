@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from experiments.errors import UsageError
-from experiments.tolerance import Level
+from experiments.levels import Level
 
 
 def draw_tolerance(levels: Sequence[Level], path: Path) -> None:

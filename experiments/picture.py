@@ -3,7 +3,8 @@
 import cv2
 
 from cell.records import Slot, Transition
-from experiments.config import Picture, writable_folder
+from experiments.checks import writable_folder
+from experiments.config import Picture
 from experiments.errors import UsageError
 from experiments.experiment import ExperimentSpec, bench, run_experiment
 from sim.camera import Camera

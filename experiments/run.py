@@ -5,7 +5,8 @@ from numpy.typing import NDArray
 
 from cell.interfaces import Action
 from cell.records import AttemptRecord, Seen, Slot, State, Transition
-from experiments.config import Run, writable_folder
+from experiments.checks import writable_folder
+from experiments.config import Run
 from experiments.experiment import run_experiment
 from experiments.provenance import manifest, write_json
 from experiments.store import LogWriter

@@ -6,13 +6,17 @@ from dataclasses import dataclass
 
 from tqdm import tqdm
 
+from cell.errors import CellError
 from cell.interfaces import Outcome
 from cell.records import AttemptRecord
-from experiments.config import Tolerance, writable_folder
+from experiments.checks import writable_folder
+from experiments.config import Tolerance
 from experiments.experiment import ExperimentSpec, make_cycle
+from experiments.levels import Level, format_levels
 from experiments.pool import run_all
 from experiments.provenance import manifest, write_json
-from maskval import proportion_interval
+from maskval import MaskvalError, proportion_interval
+from sim.errors import SimError
 from sim.estimators import ErrorPoses, OracleMasks
 from sim.latents import Streams
 from sim.noise import load_noise
@@ -26,29 +30,6 @@ class Trial:
 
     spec: ExperimentSpec
     mdd_mm: float
-
-
-@dataclass(frozen=True, slots=True)
-class Level:
-    """All trials of one part at one error; rates in [0, 1].
-
-    Attributes:
-        object: name of the part.
-        mdd_mm: error, mm.
-        trials: how many.
-        placed: how many ended with the part in its slot.
-        rate: share of them.
-        rate_ci: its 95 % Clopper-Pearson interval.
-        outcomes: how many ended how.
-    """
-
-    object: str
-    mdd_mm: float
-    trials: int
-    placed: int
-    rate: float
-    rate_ci: tuple[float, float] | None
-    outcomes: dict[str, int]
 
 
 def tolerance(config: Tolerance) -> int:
@@ -74,8 +55,8 @@ def tolerance(config: Tolerance) -> int:
     return 0
 
 
-def run_trial(trial: Trial) -> Outcome | None:
-    """What the first attempt on the part came to; None if none was made in the part's time."""
+def run_trial(trial: Trial) -> str:
+    """What the first attempt on the part came to; why there was none, if none was made in the part's time."""
     model, spec = load_part(trial.spec.part), trial.spec
     booth = TruthBooth()
     noise = load_noise(model.noise)
@@ -87,19 +68,21 @@ def run_trial(trial: Trial) -> Outcome | None:
         if isinstance(record, AttemptRecord):
             attempts.append(record)
 
-    make_cycle(spec, model, booth, listen, estimators=(OracleMasks(booth, noise), (poses, poses))).run()
-    return attempts[0].outcome if attempts else None
+    try:
+        make_cycle(spec, model, booth, listen, estimators=(OracleMasks(booth, noise), (poses, poses))).run()
+    except (CellError, SimError, MaskvalError) as error:
+        return f"failed by {type(error).__name__}"
+    return attempts[0].outcome.value if attempts else "no attempt"
 
 
-def summarise(trials: Sequence[Trial], outcomes: Sequence[Outcome | None]) -> list[Level]:
+def summarise(trials: Sequence[Trial], outcomes: Sequence[str]) -> list[Level]:
     """One level per part and error, in the order of the trials."""
-    groups: dict[tuple[str, float], list[Outcome | None]] = {}
+    groups: dict[tuple[str, float], list[str]] = {}
     for trial, outcome in zip(trials, outcomes, strict=True):
         groups.setdefault((load_part(trial.spec.part).part.name, trial.mdd_mm), []).append(outcome)
     levels = []
     for (part, mdd_mm), group in groups.items():
-        placed = group.count(Outcome.PLACED)
-        counted = Counter("no attempt" if outcome is None else outcome.value for outcome in group)
+        placed = group.count(Outcome.PLACED.value)
         levels.append(
             Level(
                 object=part,
@@ -108,20 +91,7 @@ def summarise(trials: Sequence[Trial], outcomes: Sequence[Outcome | None]) -> li
                 placed=placed,
                 rate=placed / len(group),
                 rate_ci=proportion_interval(placed, len(group)),
-                outcomes=dict(sorted(counted.items())),
+                outcomes=dict(sorted(Counter(group).items())),
             )
         )
     return levels
-
-
-def format_levels(levels: Sequence[Level]) -> str:
-    """The curve as text, one line per part and error."""
-    lines = [f"{'object':10} {'MDD mm':>7} {'placed':>9} {'%':>6} {'[95 %]':>8}  what came of the others"]
-    for level in levels:
-        others = ", ".join(f"{count} {name}" for name, count in level.outcomes.items() if name != Outcome.PLACED.value)
-        low, high = level.rate_ci or (0.0, 1.0)
-        lines.append(
-            f"{level.object:10} {level.mdd_mm:7g} {level.placed:4}/{level.trials:<4} {100 * level.rate:6.1f} "
-            f"{100 * low:4.0f}–{100 * high:<3.0f}  {others}"
-        )
-    return "\n".join(lines)

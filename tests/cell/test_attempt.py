@@ -9,7 +9,7 @@ from cell.interfaces import Contact, Touch
 from cell.layout import Container, Layout
 from cell.motion import Motion, Unreachable
 from cell.records import State
-from cell.trajectory import PRESETS
+from cell.speed import PRESETS
 from cell.ur10 import forward, inverse_on_branch
 from maskval import Pose
 from tests.fakes import (

@@ -7,7 +7,7 @@ import pytest
 from cell.layout import Belt, Layout
 from cell.motion import Motion
 from cell.search import REFINE_DISTANCE, SearchRun, refinement_view, search_run
-from cell.trajectory import PRESETS
+from cell.speed import PRESETS
 from maskval import Pose
 from tests.fakes import FakeStation, brick, on_belt, small_layout, turned
 

@@ -3,7 +3,8 @@ import pytest
 
 from cell.interfaces import Image, Touch
 from cell.motion import EVERYTHING, HOLDING, Motion
-from cell.trajectory import PRESETS, hold
+from cell.speed import PRESETS
+from cell.trajectory import hold
 from cell.ur10 import forward
 from maskval import Pose
 from sim.parts import PartModel

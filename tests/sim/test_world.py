@@ -5,7 +5,8 @@ import numpy as np
 import pytest
 
 from cell.layout import Layout
-from cell.trajectory import PRESETS, joint_move, line_move
+from cell.speed import PRESETS
+from cell.trajectory import joint_move, line_move
 from cell.ur10 import forward
 from maskval import Pose
 from sim.errors import DivergenceError
