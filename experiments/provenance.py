@@ -8,7 +8,18 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-_PACKAGES = ("graspcell", "mujoco", "numpy", "numba", "scipy", "opencv-python-headless", "ruckig", "trimesh", "pyarrow")
+_PACKAGES = (
+    "graspcell",
+    "mujoco",
+    "numpy",
+    "numba",
+    "scipy",
+    "opencv-python-headless",
+    "ruckig",
+    "trimesh",
+    "pyarrow",
+    "pycocotools",
+)
 
 
 def manifest(config: object) -> dict[str, Any]:
