@@ -79,7 +79,7 @@ def _scaling(figures: dict[str, Any]) -> list[str]:
 
 
 def _number(value: float) -> str:
-    return f"{value:.1f}" if value < 20 else f"{value:,.0f}"
+    return f"{value:.1f}" if isinstance(value, float) and value < 20 else f"{value:,.0f}"
 
 
 def _markdown(header: list[str], rows: list[list[str]]) -> str:
