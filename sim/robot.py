@@ -172,6 +172,11 @@ def _add_gripper(spec: mujoco.MjSpec, flange: mujoco.MjsBody, gripper: Gripper) 
             solimp=GRIP_SOLIMP,
             **solid,
         )
+    _couple_jaws(spec, gripper)
+
+
+def _couple_jaws(spec: mujoco.MjSpec, gripper: Gripper) -> None:
+    """Both fingers move alike, driven by one actuator whose force they share."""
     spec.add_equality(
         type=mujoco.mjtEq.mjEQ_JOINT,
         name1=FINGERS[0],
