@@ -18,7 +18,6 @@ from experiments.uq import Uq, uq
 from sim.errors import GraphicsError
 
 USAGE = 2  # exit code of a wrong argument, or of a machine without OpenGL
-FAILED = 1
 _GL_PACKAGES = "libegl1 libgl1 libosmesa6"  # sim.camera names them too, but cannot be asked where they are missing
 
 _ASIDES = ("For full", "Argument help", "Perhaps you meant")  # of tyro: they fill a screen, not a line

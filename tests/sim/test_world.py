@@ -63,10 +63,10 @@ def test_the_belt_carries_parts_at_its_speed_and_stops_with_them(antenna: PartMo
     for _ in range(round(duration / world.time_step)):
         world.step()
     moved = [world.X_WO(part).translation[1] - y for part, y in zip(range(2), start, strict=True)]
-    # Sliding up to speed on friction 0.7 loses v²/(2 μ g) = 1.6 mm.
-    slip = speed**2 / (2 * 0.6 * 9.81)
+    # Sliding up to speed on friction 0.7, the larger of belt's and part's, loses v²/(2 μ g) = 1.6 mm.
+    slip = speed**2 / (2 * 0.7 * 9.81)
     for way in moved:
-        assert speed * duration - 2 * slip < way <= speed * duration + 1e-3
+        assert speed * duration - 1.5 * slip < way <= speed * duration + 1e-3
     world.move_belt(0.0)
     for _ in range(round(0.5 / world.time_step)):
         world.step()
