@@ -1,5 +1,6 @@
 """What the simulated networks give for a test image: the cell's error models, with new random numbers at every view."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,7 +11,7 @@ from maskval import Camera, Mesh, Pose
 from sim.dataset import NOTHING, ImageTruth
 from sim.latents import Streams
 from sim.mask_noise import FALSE_ALARM_COUNT, MaskLatents, false_alarm, noisy_detection
-from sim.noise import PartNoise
+from sim.noise import MaskNoise, PartNoise, PoseNoise
 from sim.pose_noise import PoseLatents, noisy_pose, pose_of_nothing
 
 NETWORKS = 2  # S1 and S2
@@ -36,8 +37,6 @@ class ImageEstimates:
 def estimate_image(truth: ImageTruth, mesh: Mesh, camera: Camera, noise: PartNoise, streams: Streams) -> ImageEstimates:
     """Detections and poses of one image; an instance's errors hang on the streams and its number alone.
 
-    Images of a set share no view, so that the latents of `sim.latents` are plain normal numbers here.
-
     Args:
         truth: The image.
         mesh: The part.
@@ -45,41 +44,87 @@ def estimate_image(truth: ImageTruth, mesh: Mesh, camera: Camera, noise: PartNoi
         noise: The part's error model.
         streams: The root of the image's random numbers; the experiment is the image's number.
     """
-    latents = [_Latents(streams, part) for part in range(len(truth.X_CO_true))]
-    found = [_detect(truth, part, one, noise) for part, one in enumerate(latents)]
-    by_chance = streams.generator(0, "dataset false alarm").standard_normal(FALSE_ALARM_COUNT + 4 * NETWORKS)
-    found.append(false_alarm(truth.part_numbers.shape, by_chance[:FALSE_ALARM_COUNT], noise.mask))
-    detections = tuple(detection for detection in found if detection is not None)
+    latents = draw_latents(truth, streams)
+    detections = detect(truth, latents, noise.mask)
     parts = tuple(truth.shown_by(detection.mask) for detection in detections)
-    center_O = mesh.bounds.mean(axis=0)
-
-    def pose(network: int, detection: Detection, part: int) -> Pose:
-        if part == NOTHING:
-            turn = by_chance[FALSE_ALARM_COUNT:].reshape(NETWORKS, 4)[network]
-            return pose_of_nothing(detection.mask, camera, mesh, turn)
-        X_CO, visibility = truth.X_CO_true[part], float(truth.visibility[part])
-        return noisy_pose(X_CO, center_O, visibility, latents[part].pose, noise.pose, network=network)
-
-    return ImageEstimates(
-        detections,
-        parts,
-        tuple(
-            tuple(pose(network, *pair) for pair in zip(detections, parts, strict=True)) for network in range(NETWORKS)
-        ),
-    )
+    masks = [detection.mask for detection in detections]
+    poses = estimate(truth, latents, masks, parts, mesh=mesh, camera=camera, noise=noise.pose)
+    return ImageEstimates(detections, parts, poses)
 
 
-class _Latents:
-    """The random numbers of one instance in one image: one difficulty for mask, S1 and S2, the rest of their own."""
+@dataclass(frozen=True, slots=True, eq=False)
+class ImageLatents:
+    """The random numbers of one image of P parts, whatever the error model's parameters.
 
-    def __init__(self, streams: Streams, part: int) -> None:
+    Images of a set share no view, so that the latents of `sim.latents` are plain normal numbers here.
+
+    Attributes:
+        mask: of each part, for the detector.
+        pose: of each part, for S1 and S2; difficulties are the detector's.
+        false_alarm: (FALSE_ALARM_COUNT,).
+        nothing: a direction in the space of quaternions for each network's pose of a false alarm, (NETWORKS, 4).
+    """
+
+    mask: tuple[MaskLatents, ...]
+    pose: tuple[PoseLatents, ...]
+    false_alarm: Array
+    nothing: Array
+
+
+def draw_latents(truth: ImageTruth, streams: Streams) -> ImageLatents:
+    """The image's random numbers: one difficulty per part for mask, S1 and S2, the rest of their own."""
+    masks, poses = [], []
+    for part in range(len(truth.X_CO_true)):
         rng = streams.generator(part, "dataset errors")
         difficulty = float(rng.standard_normal())
-        self.mask = MaskLatents.from_vector(difficulty, rng.standard_normal(MaskLatents.COUNT))
-        self.pose = PoseLatents.from_vector(difficulty, rng.standard_normal(PoseLatents.COUNT))
+        masks.append(MaskLatents.from_vector(difficulty, rng.standard_normal(MaskLatents.COUNT)))
+        poses.append(PoseLatents.from_vector(difficulty, rng.standard_normal(PoseLatents.COUNT)))
+    by_chance = streams.generator(0, "dataset false alarm").standard_normal(FALSE_ALARM_COUNT + 4 * NETWORKS)
+    gate, nothing = np.split(by_chance, [FALSE_ALARM_COUNT])
+    return ImageLatents(tuple(masks), tuple(poses), gate, nothing.reshape(NETWORKS, 4))
 
 
-def _detect(truth: ImageTruth, part: int, latents: _Latents, noise: PartNoise) -> Detection | None:
+def detect(truth: ImageTruth, latents: ImageLatents, noise: MaskNoise) -> tuple[Detection, ...]:
+    """What the detector finds in an image."""
+    found = [_detect(truth, part, one, noise) for part, one in enumerate(latents.mask)]
+    found.append(false_alarm(truth.part_numbers.shape, latents.false_alarm, noise))
+    return tuple(detection for detection in found if detection is not None)
+
+
+def estimate(
+    truth: ImageTruth,
+    latents: ImageLatents,
+    masks: Sequence[NDArray[np.bool_]],
+    parts: Sequence[int],
+    *,
+    mesh: Mesh,
+    camera: Camera,
+    noise: PoseNoise,
+) -> tuple[tuple[Pose, ...], ...]:
+    """poses[e][i] is X_CO_est of detection i by network e.
+
+    Args:
+        truth: The image.
+        latents: Its random numbers.
+        masks: Of each detection; looked at only where it shows no part.
+        parts: The part that each detection shows, or `NOTHING`.
+        mesh: The part.
+        camera: Intrinsics and image size.
+        noise: The parameters.
+    """
+    center_O = mesh.bounds.mean(axis=0)
+
+    def pose(network: int, index: int) -> Pose:
+        part = parts[index]
+        if part == NOTHING:
+            return pose_of_nothing(masks[index], camera, mesh, latents.nothing[network])
+        X_CO, visibility = truth.X_CO_true[part], float(truth.visibility[part])
+        return noisy_pose(X_CO, center_O, visibility, latents.pose[part], noise, network=network)
+
+    return tuple(tuple(pose(network, index) for index in range(len(parts))) for network in range(NETWORKS))
+
+
+def _detect(truth: ImageTruth, part: int, latents: MaskLatents, noise: MaskNoise) -> Detection | None:
     visible = truth.mask(part)
     neighbors = (truth.part_numbers != NOTHING) & ~visible
-    return noisy_detection(visible, neighbors, float(truth.visibility[part]), latents.mask, noise.mask)
+    return noisy_detection(visible, neighbors, float(truth.visibility[part]), latents, noise)

@@ -6,7 +6,8 @@ in `sim.pose_noise` and `sim.mask_noise`. The records have the files' sections a
 
 import math
 import tomllib
-from dataclasses import dataclass, field, fields
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields, replace
 from importlib.resources import files
 from pathlib import Path
 from typing import Any, TypeVar
@@ -116,6 +117,63 @@ class PartNoise:
     mask: MaskNoise
     timing: Timing
 
+    def number(self, name: str) -> float:
+        """The value of a parameter that is a number.
+
+        Args:
+            name: "section.key" as in the file, "pose.lateral_mm" for example.
+
+        Raises:
+            NoiseFileError: there is no such parameter, or it is no number.
+        """
+        section, key = _numeric(name)
+        value: float = getattr(getattr(self, section), key)
+        return value
+
+    def changed(self, values: Mapping[str, float]) -> "PartNoise":
+        """The model with other values of some parameters.
+
+        Args:
+            values: By name, "section.key" as in the file.
+
+        Raises:
+            NoiseFileError: there is no such parameter, or its value is out of range.
+        """
+        rows: dict[str, dict[str, float]] = {}
+        for name, value in values.items():
+            section, key = _numeric(name)
+            rows.setdefault(section, {})[key] = value
+        try:
+            return replace(self, **{section: replace(getattr(self, section), **row) for section, row in rows.items()})
+        except NoiseFileError as error:
+            raise NoiseFileError(f"changed noise: {error}") from error
+
+
+def bounds(name: str) -> tuple[float, float]:
+    """The least and the largest value that a parameter may have.
+
+    Args:
+        name: "section.key" as in the file.
+
+    Raises:
+        NoiseFileError: there is no such parameter, or it is no number.
+    """
+    section, key = _numeric(name)
+    metadata = next(entry.metadata for entry in fields(SECTIONS[section]) if entry.name == key)
+    return metadata["low"], metadata["high"]
+
+
+def _numeric(name: str) -> tuple[str, str]:
+    """Section and key of a parameter that is a number."""
+    section, _, key = name.partition(".")
+    known = [f"{one}.{entry.name}" for one, record in SECTIONS.items() for entry in fields(record) if entry.metadata]
+    if name not in known:
+        raise NoiseFileError(f"unknown noise parameter {name!r}: expected one of {', '.join(known)}")
+    return section, key
+
+
+SECTIONS: dict[str, Any] = {"view": ViewNoise, "pose": PoseNoise, "mask": MaskNoise, "timing": Timing}
+
 
 def noise_names() -> list[str]:
     """Names of the error models that come with the package."""
@@ -153,8 +211,7 @@ def read_noise(text: str, source: str) -> PartNoise:
         table = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise NoiseFileError(f"{source}: no TOML: {error}") from error
-    sections = {"view": ViewNoise, "pose": PoseNoise, "mask": MaskNoise, "timing": Timing}
-    _check_keys(table, set(sections), source, "section")
+    _check_keys(table, set(SECTIONS), source, "section")
     return PartNoise(
         view=_section(ViewNoise, table, "view", source),
         pose=_section(PoseNoise, table, "pose", source),

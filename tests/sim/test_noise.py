@@ -4,7 +4,7 @@ from importlib.resources import files
 import pytest
 
 from sim.errors import NoiseFileError
-from sim.noise import load_noise, noise_names, read_noise
+from sim.noise import bounds, load_noise, noise_names, read_noise
 
 ANTENNA = (files("sim") / "assets" / "noise" / "antenna.toml").read_text(encoding="utf-8")
 
@@ -94,3 +94,31 @@ def test_unknown_models_and_missing_files_are_refused_with_what_is_there(tmp_pat
 def test_a_record_made_in_code_is_checked_like_a_file() -> None:
     with pytest.raises(NoiseFileError, match=r"box_share: expected a number in \[0, 0.5\], came 0.6"):
         replace(load_noise("antenna").mask, box_share=0.6)
+
+
+def test_a_changed_model_differs_in_the_named_parameters_only() -> None:
+    antenna = load_noise("antenna")
+    changed = antenna.changed({"pose.lateral_mm": 0.7, "mask.field_cells": 0.2, "pose.depth_ratio": 3.0})
+    assert (changed.number("pose.lateral_mm"), changed.number("mask.field_cells")) == (0.7, 0.2)
+    assert changed.pose == replace(antenna.pose, lateral_mm=0.7, depth_ratio=3.0)
+    assert changed.mask == replace(antenna.mask, field_cells=0.2)
+    assert (changed.view, changed.timing) == (antenna.view, antenna.timing)
+
+
+@pytest.mark.parametrize(
+    ("values", "words"),
+    [
+        ({"pose.laterl_mm": 1.0}, "unknown noise parameter 'pose.laterl_mm': expected one of .*pose.lateral_mm"),
+        ({"lateral_mm": 1.0}, "unknown noise parameter 'lateral_mm'"),
+        ({"pose.flip_axis": 1.0}, "unknown noise parameter 'pose.flip_axis'"),
+        ({"pose.lateral_mm": -1.0}, r"changed noise: lateral_mm: expected a number in \[0, 1000\], came -1.0"),
+    ],
+)
+def test_a_change_that_cannot_be_is_refused(values, words) -> None:
+    with pytest.raises(NoiseFileError, match=words):
+        load_noise("antenna").changed(values)
+
+
+def test_bounds_are_those_that_the_file_is_checked_against() -> None:
+    assert bounds("pose.second_core_correlation") == (-1.0, 1.0)
+    assert bounds("mask.miss_probability") == (0.0, 1.0)
