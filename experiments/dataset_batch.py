@@ -10,10 +10,11 @@ from numpy.typing import NDArray
 from cell.layout import default_camera
 from experiments.dataset_coco import Annotations, Matches
 from maskval import Camera, Estimates, MaskVal, Mesh, add, mdd
-from sim.dataset import NOTHING, PIXEL_CENTER, ImageTruth, Recipe, make_image
+from sim.dataset import ImageTruth, Recipe, make_image
 from sim.dataset_estimates import ImageEstimates, estimate_image
 from sim.latents import Streams
 from sim.noise import load_noise
+from sim.part_numbers import NOTHING, PIXEL_CENTER
 from sim.parts import load_part
 
 Array = NDArray[np.float64]

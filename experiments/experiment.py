@@ -17,11 +17,12 @@ from experiments.methods import make_method
 from experiments.recorder import Recorder, Row
 from experiments.thresholds import Thresholds
 from maskval import MaskvalError, Pose
-from sim.camera import PIXEL_CENTER, Camera
+from sim.camera import Camera
 from sim.errors import SimError
 from sim.estimators import Kind, make_estimators
 from sim.latents import Streams
 from sim.noise import load_noise
+from sim.part_numbers import PIXEL_CENTER
 from sim.parts import PartModel, load_part
 from sim.placement import place_parts
 from sim.referee import SimReferee

@@ -7,9 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sim.errors import GraphicsError
-
-PIXEL_CENTER = 0.5  # OpenGL samples pixel i at i + 0.5
-NOTHING = -1  # in an image of part numbers
+from sim.part_numbers import NOTHING
 
 GL_PACKAGES = "libegl1 libgl1 libosmesa6"
 

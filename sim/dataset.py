@@ -15,9 +15,7 @@ from numpy.typing import NDArray
 
 from maskval import Camera, Mesh, Pose, depth_crop, silhouette
 from sim.latents import Streams
-
-PIXEL_CENTER = 0.5  # pixel i is sampled at i + 0.5, as in the cell's pictures
-NOTHING = -1  # in an image of part numbers
+from sim.part_numbers import NOTHING, PIXEL_CENTER, shown_part
 
 Array = NDArray[np.float64]
 
@@ -64,9 +62,7 @@ class ImageTruth:
 
     def shown_by(self, mask: NDArray[np.bool_]) -> int:
         """The part that most of a mask's pixels show, or `NOTHING`."""
-        numbers = self.part_numbers[mask]
-        numbers = numbers[numbers != NOTHING]
-        return int(np.bincount(numbers).argmax()) if numbers.size else NOTHING
+        return shown_part(self.part_numbers, mask)
 
 
 def make_image(mesh: Mesh, camera: Camera, recipe: Recipe, streams: Streams) -> ImageTruth:

@@ -8,10 +8,11 @@ from numpy.typing import NDArray
 
 from cell.interfaces import Detection
 from maskval import Camera, Mesh, Pose
-from sim.dataset import NOTHING, ImageTruth
+from sim.dataset import ImageTruth
 from sim.latents import Streams
 from sim.mask_noise import FALSE_ALARM_COUNT, MaskLatents, false_alarm, noisy_detection
 from sim.noise import MaskNoise, PartNoise, PoseNoise
+from sim.part_numbers import NOTHING
 from sim.pose_noise import PoseLatents, noisy_pose, pose_of_nothing
 
 NETWORKS = 2  # S1 and S2

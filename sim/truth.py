@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from cell.interfaces import Detection, Frame
 from maskval import Camera, Mesh, Pose, silhouette
-from sim.camera import PIXEL_CENTER
+from sim.part_numbers import NOTHING, PIXEL_CENTER, shown_part
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -16,7 +16,7 @@ class FrameTruth:
 
     Attributes:
         frame: index of the frame.
-        part_numbers: (H, W) int8, the part that each pixel shows, −1 where it shows none.
+        part_numbers: (H, W) int8, the part that each pixel shows, `NOTHING` where it shows none.
         X_CO_true: true pose of every part in the true camera.
     """
 
@@ -41,9 +41,8 @@ class FrameTruth:
 
     def part_of(self, detection: Detection) -> int | None:
         """The part that most of the detection's pixels show; None if they show none."""
-        numbers = self.part_numbers[detection.mask]
-        numbers = numbers[numbers >= 0]
-        return int(np.bincount(numbers).argmax()) if numbers.size else None
+        part = shown_part(self.part_numbers, detection.mask)
+        return None if part == NOTHING else part
 
 
 class TruthBooth:

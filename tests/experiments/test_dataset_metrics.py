@@ -8,7 +8,7 @@ from experiments.dataset_bootstrap import draw_weights, resample
 from experiments.dataset_metrics import ERRORS_M, METHODS, area, chosen, curves, evaluations, figures
 from experiments.dataset_rules import ALTERNATIVES, Rules
 from maskval import EnsembleAdd, Evaluation, paper_threshold, recall_curve, spearman
-from sim.dataset import NOTHING
+from sim.part_numbers import NOTHING
 
 RULES = {"the defaults": Rules(), **ALTERNATIVES}
 

@@ -3,8 +3,9 @@ import pytest
 
 from cell.layout import Layout
 from maskval import silhouette
-from sim.camera import NOTHING, PIXEL_CENTER, Camera
+from sim.camera import Camera
 from sim.errors import GraphicsError
+from sim.part_numbers import NOTHING, PIXEL_CENTER
 from sim.parts import PartModel
 from sim.world import World
 from tests.sim.conftest import on_belt, standing

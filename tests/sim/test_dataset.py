@@ -5,10 +5,11 @@ import pytest
 from numpy.typing import NDArray
 
 from maskval import Camera, Mesh, Pose, mdd
-from sim.dataset import NOTHING, ImageTruth, Recipe, clutter_shapes, draw_numbers, make_image
+from sim.dataset import ImageTruth, Recipe, clutter_shapes, draw_numbers, make_image
 from sim.dataset_estimates import ImageEstimates, estimate_image
 from sim.latents import Streams
 from sim.noise import PartNoise, load_noise
+from sim.part_numbers import NOTHING
 from sim.parts import PartModel
 
 CAMERA = Camera(600, 600, 320, 240, 640, 480)
