@@ -1,6 +1,8 @@
 """The cycle: search, look, decide, then grasp, refine or search on, until every part has had its 20 seconds."""
 
+from collections.abc import Generator
 from dataclasses import dataclass, field
+from typing import TypeVar
 
 from cell.attempt import Attempt
 from cell.errors import LayoutError, PolicyError
@@ -22,6 +24,9 @@ from cell.records import AttemptRecord, Count, Seen, Slot, State, Transition
 from cell.search import SearchRun, refinement_view, search_run
 from cell.speed import PRESETS, SpeedPreset
 from maskval import Pose
+
+T = TypeVar("T")
+Deciding = Generator[Observation, Decision, T]  # yields what calls for a decision, is sent it, and returns a T
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,12 +64,16 @@ class Cycle:
         station: Station,
         referee: Referee,
         perception: Perception,
-        policy: Policy,
         layout: Layout,
         config: CycleConfig,
         listener: Listener,
+        policy: Policy | None = None,
     ) -> None:
-        """Raises LayoutError where the layout has no slot for every part or a search view out of reach."""
+        """Without a policy, `decisions` is the way to run it.
+
+        Raises:
+            LayoutError: the layout has no slot for every part, or a search view is out of reach.
+        """
         self._station, self._referee = station, referee
         self._perception, self._policy = perception, policy
         self._config, self._tell = config, listener
@@ -88,13 +97,32 @@ class Cycle:
         return search
 
     def run(self) -> Count:
-        """The whole experiment: one slot of time per part."""
+        """The whole experiment, decided by the policy."""
+        if self._policy is None:
+            raise ValueError("expected a cycle with a policy to run, got one without: drive `decisions` instead")
+        decisions = self.decisions()
+        try:
+            observation = next(decisions)
+            while True:
+                observation = decisions.send(_asked(self._policy, observation))
+        except StopIteration as end:
+            count: Count = end.value
+            return count
+
+    def decisions(self) -> Deciding[Count]:
+        """The whole experiment: one slot of time per part, decided from outside.
+
+        Yields each observation that calls for a decision, does what it is sent, and at the end returns the count.
+
+        Raises:
+            PolicyError: what was sent is no decision, or about a detection that does not exist.
+        """
         outcomes: list[Outcome] = []
         timeouts = 0
         for slot in range(self._config.parts):
             self._slot = slot
             start = self._station.time
-            ended_by = self._run_slot(start + self._config.slot_time, outcomes)
+            ended_by = yield from self._run_slot(start + self._config.slot_time, outcomes)
             timeouts += ended_by is None
             self._tell(Slot(self._slot, start, self._station.time, ended_by))
         self._enter(State.DONE, "every part had its time")
@@ -109,10 +137,10 @@ class Cycle:
             duration=self._station.time,
         )
 
-    def _run_slot(self, deadline: float, outcomes: list[Outcome]) -> Outcome | None:
+    def _run_slot(self, deadline: float, outcomes: list[Outcome]) -> Deciding[Outcome | None]:
         """Until a part is placed, an attempt fails or the time is up; appends every outcome on the way."""
         while self._station.time < deadline:
-            outcome = self._run_view(deadline)
+            outcome = yield from self._run_view(deadline)
             if outcome is None:
                 self._view += 1
                 continue
@@ -123,14 +151,14 @@ class Cycle:
                 return outcome
         return None
 
-    def _run_view(self, deadline: float) -> Outcome | None:
+    def _run_view(self, deadline: float) -> Deciding[Outcome | None]:
         """One view of the search run, its second looks and the attempt that may follow; None without one."""
         self._enter(State.SEARCH, f"view {self._view}")
         contact = self._move_camera(self._search.view(self._view))
         for look in range(self._config.refinements + 1):
             if contact is not None:
                 return self._referee.verdict(contact)
-            seen = self._look(refining=look > 0)
+            seen = yield from self._look(refining=look > 0)
             action = seen.decision.action
             in_time = self._station.time < deadline
             if action is Action.GRASP and in_time:
@@ -157,12 +185,13 @@ class Cycle:
             self._motion.to_joints(q_before, watch=frozenset())
         return contact
 
-    def _look(self, refining: bool) -> Seen:
+    def _look(self, refining: bool) -> Deciding[Seen]:
         self._enter(State.LOOK, "camera in place")
         self._station.wait(self._config.settle_time, frozenset())
         observation = self._perception.look(self._station, refining)
         self._enter(State.DECIDE, f"{len(observation.detections)} detections")
-        decision = _decide(self._policy, observation)
+        decision = yield observation
+        _check(decision, observation, self._policy)
         seen = Seen(self._slot, self._decisions, observation, decision)
         self._decisions += 1
         self._tell(seen)
@@ -207,17 +236,21 @@ class Cycle:
         self._state = state
 
 
-def _decide(policy: Policy, observation: Observation) -> Decision:
-    """The policy's decision, if it is about a detection that exists.
+def _asked(policy: Policy, observation: Observation) -> Decision:
+    """The policy's decision.
 
     Raises:
-        PolicyError: it is not, or the policy raised.
+        PolicyError: the policy raised.
     """
-    who = f"{type(policy).__name__} on frame {observation.frame.index}"
     try:
-        decision = policy.decide(observation)
+        return policy.decide(observation)
     except Exception as error:
-        raise PolicyError(f"{who}: raised {type(error).__name__}: {error}") from error
+        raise PolicyError(f"{_who(policy, observation)}: raised {type(error).__name__}: {error}") from error
+
+
+def _check(decision: object, observation: Observation, policy: Policy | None) -> None:
+    """Raises PolicyError unless it is a decision, and about a detection that exists."""
+    who = _who(policy, observation)
     if not isinstance(decision, Decision):
         raise PolicyError(f"{who}: expected a cell.interfaces.Decision, got {type(decision).__name__}")
     count = len(observation.detections)
@@ -225,9 +258,13 @@ def _decide(policy: Policy, observation: Observation) -> Decision:
         raise PolicyError(
             f"{who}: expected a detection in 0..{count - 1} to {decision.action}, got {decision.detection}"
         )
-    return decision
+
+
+def _who(policy: Policy | None, observation: Observation) -> str:
+    name = "the decision" if policy is None else type(policy).__name__
+    return f"{name} on frame {observation.frame.index}"
 
 
 def _detection(decision: Decision) -> int:
-    assert decision.detection is not None  # `_decide` has seen to it
+    assert decision.detection is not None  # `_check` has seen to it
     return decision.detection
