@@ -13,8 +13,9 @@ from collections import defaultdict
 from collections.abc import Callable
 from typing import Any
 
-from experiments.experiment import ExperimentSpec, bench, run_experiment
+from experiments.experiment import ExperimentSpec, run_experiment
 from experiments.thresholds import load_thresholds
+from sim.bench import bench
 
 STAGES = {  # name: (module, class or None, function)
     "physics": ("mujoco", None, "mj_step"),

@@ -13,9 +13,10 @@ import experiments.experiment as subject
 from cell.interfaces import Contact, Touch
 from cell.records import State, Transition
 from cell.ur10 import forward
-from experiments.experiment import ExperimentSpec, bench, run_experiment
+from experiments.experiment import ExperimentSpec, run_experiment
 from experiments.thresholds import load_thresholds
 from maskval import Pose
+from sim.bench import bench
 from sim.station import Command, SimStation
 from sim.truth import TruthBooth
 

@@ -15,12 +15,14 @@ from experiments.config import Compare, Picture, Run, Tolerance
 from experiments.dataset_config import Dataset
 from experiments.errors import UsageError
 from experiments.uq import Uq, uq
+from sim.conditions import Conditions
 from sim.errors import GraphicsError
 
 USAGE = 2  # exit code of a wrong argument, or of a machine without OpenGL
 _GL_PACKAGES = "libegl1 libgl1 libosmesa6"  # sim.camera names them too, but cannot be asked where they are missing
 
 _ASIDES = ("For full", "Argument help", "Perhaps you meant")  # of tyro: they fill a screen, not a line
+_PLACE = re.compile(r"^Error parsing \S+: ")  # what tyro puts before the message of a record that refuses a value
 _DESCRIPTION = (
     "Closed-loop grasp experiments in simulation that tell which 6D-pose uncertainty can be trusted. "
     "`graspcell COMMAND --help` explains a command."
@@ -136,13 +138,21 @@ def _one_line(told: str, arguments: Sequence[str]) -> str:
             blocks.append([])
         else:
             blocks[-1].append(line)
-    kept = [" ".join(block) for block in blocks if block and not block[0].startswith(_ASIDES)]
+    kept = [_PLACE.sub("", " ".join(block)) for block in blocks if block and not block[0].startswith(_ASIDES)]
     message = "; ".join(kept) or "the arguments are not understood"
     command = arguments[0] if arguments else ""
     if "nrecognized" in message and command in COMMANDS:
-        options = (f"--{field.name.replace('_', '-')}" for field in dataclasses.fields(COMMANDS[command][0]))
-        message += f"; valid options of {command}: {', '.join(options)}"
+        message += f"; valid options of {command}: {', '.join(options(COMMANDS[command][0]))}"
     return message
+
+
+def options(config: type[Any]) -> list[str]:
+    """The options of a command; the conditions' stand among the others."""
+    names: list[str] = []
+    for field in dataclasses.fields(config):
+        group = dataclasses.fields(Conditions) if field.name == "conditions" else (field,)
+        names += (f"--{member.name.replace('_', '-')}" for member in group)
+    return names
 
 
 def _fail(message: str, code: int) -> None:

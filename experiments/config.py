@@ -2,16 +2,20 @@
 
 # ruff: noqa: PLC0415  # the engine is loaded when a job begins: --help does not wait for it, nor need OpenGL
 
-import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import tyro
+
 from experiments.checks import Kind, at_least, check_cell, check_part_and_method, one_of, worker_count
 from experiments.errors import UsageError
+from sim.conditions import Conditions
 
 if TYPE_CHECKING:
     from experiments.experiment import ExperimentSpec
+
+Disturbances = tyro.conf.OmitArgPrefixes[Conditions]  # --light, not --conditions.light
 
 
 @dataclass(frozen=True)
@@ -37,8 +41,8 @@ class Compare:
     """A preset (paper), or a TOML file of the same form."""
     speed: str = "ur-default"
     """How fast the arm moves: ur-default, moderate, fast."""
-    hand_eye_error_mm: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    """Shift of the true camera from where the robot believes it, along the camera's x, y and z."""
+    conditions: Disturbances = field(default_factory=Conditions)
+    """What disturbs the cell."""
     jobs: int = 0
     """Processes to run experiments in; 0 takes one per core. The results do not depend on it."""
     out: Path = Path("out/compare")
@@ -56,8 +60,6 @@ class Compare:
         check_cell(self.parts, self.seed, self.estimator, self.speed)
         at_least("--experiments", self.experiments, 1)
         at_least("--jobs", self.jobs, 0)
-        if not all(map(math.isfinite, self.hand_eye_error_mm)):
-            raise UsageError(f"expected --hand-eye-error-mm of finite numbers, got {self.hand_eye_error_mm}")
         for name, chosen in (("--objects", self.objects), ("--methods", self.methods)):
             if not chosen:
                 raise UsageError(f"{name} is empty: expected at least one name")
@@ -79,7 +81,7 @@ class Compare:
                 parts=self.parts,
                 seed=self.seed,
                 experiment=experiment,
-                hand_eye_error_mm=self.hand_eye_error_mm,
+                conditions=self.conditions,
             )
             for part in self.objects
             for method in self.methods
@@ -115,6 +117,8 @@ class Run:
     """A preset (paper), or a TOML file of the same form."""
     speed: str = "ur-default"
     """How fast the arm moves: ur-default, moderate, fast."""
+    conditions: Disturbances = field(default_factory=Conditions)
+    """What disturbs the cell."""
     out: Path | None = None
     """Folder for the logs; none are written without it."""
 
@@ -139,6 +143,7 @@ class Run:
             parts=self.parts,
             seed=self.seed,
             experiment=self.experiment,
+            conditions=self.conditions,
         )
 
 

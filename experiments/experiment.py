@@ -1,34 +1,29 @@
 """One experiment: a belt of parts, one method, one result. No files, no printing: it runs in any process."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from functools import lru_cache
-
-import numpy as np
+from collections.abc import Callable
+from dataclasses import dataclass, field
 
 from cell.cycle import Cycle, CycleConfig
 from cell.errors import CellError
 from cell.interfaces import Listener, MaskEstimator, PoseEstimator
-from cell.layout import Layout
 from cell.perception import Perception
 from cell.records import Count
 from cell.speed import PRESETS
 from experiments.methods import make_method
 from experiments.recorder import Recorder, Row
 from experiments.thresholds import Thresholds
-from maskval import MaskvalError, Pose
-from sim.camera import Camera
+from maskval import MaskvalError
+from sim.bench import bench, starting_poses
+from sim.conditions import Conditions
 from sim.errors import SimError
 from sim.estimators import Kind, make_estimators
 from sim.latents import Streams
 from sim.noise import load_noise
 from sim.part_numbers import PIXEL_CENTER
 from sim.parts import PartModel, load_part
-from sim.placement import place_parts
 from sim.referee import SimReferee
 from sim.station import SimStation
 from sim.truth import TruthBooth
-from sim.world import World
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +39,7 @@ class ExperimentSpec:
         parts: how many lie on the belt.
         seed: root seed.
         experiment: number of the experiment.
-        hand_eye_error_mm: how far the camera is from where the robot believes it, along its own x, y and z.
+        conditions: what disturbs the cell.
         maker_meshes: whether the arm is drawn with its maker's meshes; nothing else depends on it.
     """
 
@@ -56,13 +51,13 @@ class ExperimentSpec:
     parts: int
     seed: int
     experiment: int
-    hand_eye_error_mm: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    conditions: Conditions = field(default_factory=Conditions)
     maker_meshes: bool = False
 
     @property
-    def cell(self) -> tuple[str, int, tuple[float, float, float], bool]:
-        """What the model of the cell depends on."""
-        return self.part, self.parts, self.hand_eye_error_mm, self.maker_meshes
+    def cell(self) -> tuple[str, int, Conditions, bool]:
+        """What the bench depends on."""
+        return self.part, self.parts, self.conditions, self.maker_meshes
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,29 +68,6 @@ class Result:
     count: Count | None
     failure: str | None
     tables: dict[str, list[Row]]
-
-
-@dataclass(frozen=True, slots=True)
-class Bench:
-    """A world with its camera, built once per process and kind of part, and reset for every experiment."""
-
-    world: World
-    camera: Camera
-
-
-@lru_cache(maxsize=4)
-def bench(part: str, parts: int, hand_eye_error_mm: tuple[float, float, float], maker_meshes: bool, /) -> Bench:
-    """The bench of a spec's `cell`; benches are kept, since compiling and opening a renderer take a second."""
-    layout = Layout()
-    X_FC_true = layout.X_FC @ Pose.from_translation(np.array(hand_eye_error_mm) / 1000.0)
-    world = World(layout, load_part(part), parts, X_FC_true, maker_meshes)
-    return Bench(world, Camera(world.model, layout.camera.height, layout.camera.width))
-
-
-def starting_poses(model: PartModel, spec: ExperimentSpec, layout: Layout) -> Sequence[Pose]:
-    """X_WO of the parts: a function of seed, kind and number of the experiment, whatever the method."""
-    streams = Streams(spec.seed, spec.experiment, model.part.name)
-    return place_parts(model, spec.parts, layout.belt, streams.generator(part=0, purpose="placement"))
 
 
 def run_experiment(spec: ExperimentSpec, tell: Callable[[object, TruthBooth], None] | None = None) -> Result:
@@ -143,10 +115,10 @@ def make_cycle(
     method = make_method(spec.method, model.part.name, spec.thresholds)
     here = bench(*spec.cell)
     layout = here.world.layout
-    here.world.reset(starting_poses(model, spec, layout))
+    streams = Streams(spec.seed, spec.experiment, model.part.name)
+    here.world.reset(starting_poses(model, spec.parts, layout, streams))
     station = SimStation(here.world, here.camera, booth)
     if estimators is None:
-        streams = Streams(spec.seed, spec.experiment, model.part.name)
         estimators = make_estimators(spec.estimator, booth, model.part, load_noise(model.noise), streams)
     detector, networks = estimators
     return Cycle(

@@ -6,7 +6,8 @@ from cell.records import Slot, Transition
 from experiments.checks import writable_folder
 from experiments.config import Picture
 from experiments.errors import UsageError
-from experiments.experiment import ExperimentSpec, bench, run_experiment
+from experiments.experiment import ExperimentSpec, run_experiment
+from sim.bench import bench
 from sim.camera import Camera
 from sim.errors import MeshesMissingError
 from sim.truth import TruthBooth

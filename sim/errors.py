@@ -27,3 +27,7 @@ class NoiseFileError(SimError, ValueError):
 
 class MeshesMissingError(SimError, RuntimeError):
     """The optional meshes of the arm were asked for and are not installed."""
+
+
+class ConditionsError(SimError, ValueError):
+    """A disturbance out of its range."""

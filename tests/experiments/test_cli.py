@@ -1,5 +1,4 @@
 import ast
-import dataclasses
 import os
 import subprocess
 import sys
@@ -8,9 +7,9 @@ from pathlib import Path
 import pytest
 
 from experiments import cli
-from experiments.cli import COMMANDS
-from experiments.experiment import bench
+from experiments.cli import COMMANDS, options
 from sim import camera
+from sim.bench import bench
 from tests.experiments.command import Told, command
 
 ROOT = Path(__file__).parents[2]
@@ -107,12 +106,12 @@ def test_help_names_the_commands(capsys: pytest.CaptureFixture[str]) -> None:
 @pytest.mark.parametrize("job", COMMANDS)
 def test_help_of_a_command_names_every_option_with_its_default(capsys: pytest.CaptureFixture[str], job: str) -> None:
     told = command(capsys, job, "--help")
-    fields = dataclasses.fields(COMMANDS[job][0])
+    names = options(COMMANDS[job][0])
     assert (told.code, told.err) == (0, "")
-    assert len(fields) >= 5
-    assert [field.name for field in fields if f"--{field.name.replace('_', '-')}" not in told.out] == []
+    assert len(names) >= 5
+    assert [name for name in names if name not in told.out] == []
     words = " ".join(told.out.replace("│", " ").split())
-    assert words.count("(default: ") + words.count("(required)") + words.count("(optional)") >= len(fields)
+    assert words.count("(default: ") + words.count("(required)") + words.count("(optional)") >= len(names)
 
 
 def test_the_defaults_of_compare_are_the_papers_experiment(capsys: pytest.CaptureFixture[str]) -> None:

@@ -20,11 +20,12 @@ from cell.layout import Layout
 from experiments import compare as compare_module
 from experiments import experiment as experiment_module
 from experiments.cli import main
-from experiments.experiment import ExperimentSpec, Result, bench, make_cycle, run_experiment
+from experiments.experiment import ExperimentSpec, Result, make_cycle, run_experiment
 from experiments.methods import METHODS
 from experiments.store import SCHEMAS
 from experiments.thresholds import load_thresholds
 from maskval import Pose, mask_from_rle
+from sim.bench import bench
 from sim.parts import load_part
 from sim.truth import TruthBooth
 from sim.world import World

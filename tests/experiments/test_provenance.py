@@ -31,7 +31,7 @@ def test_a_manifest_is_json_and_holds_the_whole_configuration(tmp_path: Path) ->
         "estimator": "noisy",
         "thresholds": "paper",
         "speed": "ur-default",
-        "hand_eye_error_mm": [0.0, 0.0, 0.0],
+        "conditions": {"hand_eye_error_mm": [0.0, 0.0, 0.0]},
         "jobs": 0,
         "out": "somewhere/else",
     }

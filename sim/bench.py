@@ -1,0 +1,44 @@
+"""A cell ready for experiments, built once per process, and how the parts lie when an experiment begins."""
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from cell.layout import Layout
+from maskval import Pose
+from sim.camera import Camera
+from sim.conditions import Conditions
+from sim.latents import Streams
+from sim.parts import PartModel, load_part
+from sim.placement import place_parts
+from sim.world import World
+
+
+@dataclass(frozen=True, slots=True)
+class Bench:
+    """A world with its camera, built once per process and kind of part, and reset for every experiment."""
+
+    world: World
+    camera: Camera
+
+
+@lru_cache(maxsize=4)
+def bench(part: str, parts: int, conditions: Conditions, maker_meshes: bool, /) -> Bench:
+    """The bench of these; benches are kept, since compiling and opening a renderer take a second.
+
+    Args:
+        part: name or TOML file of the part.
+        parts: how many of them.
+        conditions: what disturbs the cell.
+        maker_meshes: whether the arm is drawn with its maker's meshes.
+    """
+    layout = Layout()
+    X_FC_true = layout.X_FC @ Pose.from_translation(np.array(conditions.hand_eye_error_mm) / 1000.0)
+    world = World(layout, load_part(part), parts, X_FC_true, maker_meshes)
+    return Bench(world, Camera(world.model, layout.camera.height, layout.camera.width))
+
+
+def starting_poses(model: PartModel, parts: int, layout: Layout, streams: Streams) -> list[Pose]:
+    """X_WO of the parts: a function of seed, kind and number of the experiment, whatever the method."""
+    return place_parts(model, parts, layout.belt, streams.generator(part=0, purpose="placement"))
