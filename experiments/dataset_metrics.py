@@ -14,7 +14,6 @@ from maskval.metrics import DEMANDED_AP, MAXIMUM_ERROR_M, ROUNDING, Mean, sweep
 
 ERROR_THRESHOLD = 15  # index of the paper's e_t for its robot, 15 mm
 ERRORS_M = np.linspace(0.0, MAXIMUM_ERROR_M, 31)
-METHODS = ("maskval", "ensemble-add", "oracle-mask", "oracle-mdd", "random")
 
 Array = NDArray[np.float64]
 
@@ -43,19 +42,12 @@ def least_disagreement(judged: Judged) -> float | None:
 
 
 def evaluations(judged: Judged, rules: Rules) -> dict[str, Evaluation]:
-    """The poses with the uncertainty of each method of `METHODS`."""
-    base = _matched(judged, rules)
-    low = (least_disagreement(judged) or 0.0) if rules.ensemble_minimum == "least" else 0.0
-    e_t, error = ERRORS_M[ERROR_THRESHOLD], base.errors_m
-    u = {
-        "maskval": judged.maskval,
-        "ensemble-add": np.clip((judged.disagreement_m - low) / (ENSEMBLE_MAXIMUM_M - low), 0.0, 1.0),
-        "oracle-mask": judged.oracle_mask,
-        # Any rising function of the error is the perfect method; this one is 1/2 at e_t and 1 without a part.
-        "oracle-mdd": 1.0 - e_t / (e_t + error),
-        "random": judged.random,
-    }
-    return {method: replace(base, u=u[method]) for method in METHODS}
+    """The poses with the uncertainty of each method of the set; the scale of Ensemble-ADD begins as the rules say."""
+    base, u = _matched(judged, rules), dict(judged.u)
+    if "ensemble-add" in u and rules.ensemble_minimum == "least":
+        low = least_disagreement(judged) or 0.0
+        u["ensemble-add"] = np.clip((judged.disagreement_m - low) / (ENSEMBLE_MAXIMUM_M - low), 0.0, 1.0)
+    return {method: replace(base, u=values) for method, values in u.items()}
 
 
 def figures(evaluation: Evaluation, rules: Rules) -> Figures:

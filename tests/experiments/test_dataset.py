@@ -10,12 +10,13 @@ import pytest
 from experiments import dataset_config
 from experiments.dataset_batch import BatchTask, Judged, run_batch
 from experiments.dataset_coco import Matches
-from experiments.dataset_metrics import ERRORS_M, METHODS
+from experiments.dataset_metrics import ERRORS_M
 from experiments.methods import make_method
 from experiments.thresholds import load_thresholds
 from maskval import EnsembleAdd
 from tests.experiments.command import Told, command
 
+METHODS = ["maskval", "ensemble-add", "oracle-mask", "oracle-mdd", "random"]
 WRONG = [  # arguments, words that the one line of error must hold
     (["--images", "0"], ["--images of at least 1", "got 0"]),
     (["--images", "many"], ["--images", "many"]),
@@ -62,7 +63,10 @@ def test_an_image_does_not_depend_on_the_batch_that_it_is_made_in(part: str) -> 
     runs = [run_batch(BatchTask(part, 4, batch, 0.1)) for batch in (range(1), range(1, 6), range(6, 8))]
     joined, joined_matches = Judged.join([one for one, _ in runs]), Matches.join([one for _, one in runs])
     assert len(whole.mdd_m) >= 16
-    for name in (entry.name for entry in fields(Judged)):
+    assert list(whole.u) == METHODS
+    for method, u in whole.u.items():
+        assert np.array_equal(u, joined.u[method]), method
+    for name in (entry.name for entry in fields(Judged) if entry.name != "u"):
         assert np.array_equal(getattr(whole, name), getattr(joined, name)), name
     for name in (entry.name for entry in fields(Matches)):
         assert np.array_equal(getattr(matches, name), getattr(joined_matches, name)), name
@@ -89,7 +93,7 @@ def test_dataset_json_holds_the_contract_and_the_tables_name_the_paper(
     for row in written["objects"]:
         assert row["images"] == 12
         assert set(row["mask"]) == {f"{name}{end}" for name in ("ap_50_95", "ap_50", "ar_100") for end in ("", "_ci")}
-        assert tuple(row["methods"]) == METHODS
+        assert list(row["methods"]) == METHODS
         for figures in row["methods"].values():
             assert set(figures) == {f"{name}{end}" for name in ("spearman", "auc_ar", "u_tg") for end in ("", "_ci")}
             assert 0 <= figures["auc_ar"] <= 1

@@ -5,11 +5,12 @@ import pytest
 
 from experiments.dataset_batch import Judged
 from experiments.dataset_bootstrap import draw_weights, resample
-from experiments.dataset_metrics import ERRORS_M, METHODS, area, chosen, curves, evaluations, figures
+from experiments.dataset_metrics import ERRORS_M, area, chosen, curves, evaluations, figures
 from experiments.dataset_rules import ALTERNATIVES, Rules
 from maskval import EnsembleAdd, Evaluation, paper_threshold, recall_curve, spearman
 from sim.part_numbers import NOTHING
 
+METHODS = ("maskval", "ensemble-add", "oracle-mdd", "random")
 RULES = {"the defaults": Rules(), **ALTERNATIVES}
 
 
@@ -31,9 +32,12 @@ def judged(images: int = 60, seed: int = 0) -> Judged:
         pose_part=flat,
         mdd_m=mdd_m,
         disagreement_m=vague,
-        maskval=u,
-        oracle_mask=u,
-        random=rng.uniform(size=len(flat)),
+        u={
+            "maskval": u,
+            "ensemble-add": np.minimum(vague / 0.05, 1.0),
+            "oracle-mdd": 1 - 0.015 / (0.015 + mdd_m),
+            "random": rng.uniform(size=len(flat)),
+        },
         visibility=visibility,
         in_view=np.minimum(1.0, visibility + 0.1),
     )
@@ -42,7 +46,14 @@ def judged(images: int = 60, seed: int = 0) -> Judged:
 def empty() -> Judged:
     nothing = np.empty(0)
     return Judged(
-        np.zeros(3, int), np.ones(3, int), np.empty(0, int), *(nothing,) * 5, np.ones(3), np.ones(3)
+        poses=np.zeros(3, int),
+        parts=np.ones(3, int),
+        pose_part=np.empty(0, int),
+        mdd_m=nothing,
+        disagreement_m=nothing,
+        u=dict.fromkeys(METHODS, nothing),
+        visibility=np.ones(3),
+        in_view=np.ones(3),
     )  # three images with a part each, and no poses
 
 
@@ -104,7 +115,7 @@ def test_ensemble_add_is_scaled_from_the_least_of_the_set_or_from_zero() -> None
 def test_a_part_found_twice_belongs_to_the_better_pose() -> None:
     twice = replace(empty(), poses=np.array([2, 0, 0]), pose_part=np.zeros(2, int), mdd_m=np.array([0.02, 0.01]))
     two = np.array([0.3, 0.4])
-    twice = replace(twice, disagreement_m=two, maskval=two, oracle_mask=two, random=two)
+    twice = replace(twice, disagreement_m=two, u={"maskval": two})
     evaluation = evaluations(twice, Rules())["maskval"]
     assert evaluation.pose_part.tolist() == [NOTHING, 0]
     assert evaluation.errors_m.tolist() == [np.inf, 0.01]
