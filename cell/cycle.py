@@ -1,11 +1,14 @@
 """The cycle: search, look, decide, then grasp, refine or search on, until every part has had its 20 seconds."""
 
+import math
 from collections.abc import Generator
 from dataclasses import dataclass, field
+from numbers import Integral, Real
 from typing import TypeVar
 
+from cell.asking import TIME_LIMIT, ask
 from cell.attempt import Attempt
-from cell.errors import LayoutError, PolicyError
+from cell.errors import EstimatorError, LayoutError, PolicyError
 from cell.interfaces import (
     Action,
     Contact,
@@ -20,7 +23,7 @@ from cell.interfaces import (
 from cell.layout import Layout
 from cell.motion import Motion, Unreachable
 from cell.perception import Perception
-from cell.records import AttemptRecord, Count, Seen, Slot, State, Transition
+from cell.records import AttemptRecord, Count, Failed, Seen, Slot, State, Transition
 from cell.search import SearchRun, refinement_view, search_run
 from cell.speed import PRESETS, SpeedPreset
 from maskval import Pose
@@ -36,23 +39,24 @@ class CycleConfig:
     Attributes:
         parts: how many parts lie on the belt; each has one slot of time.
         slot_time: s per part; an attempt that began in time is finished and counts.
-        refinements: second looks per search view; more of them look at the same picture again.
         settle_time: s that the arm stands still before a picture.
+        time_limit: s of the wall clock that a decision of the policy may take.
         speed: limits of the arm's motions.
     """
 
     parts: int = 8
     slot_time: float = 20.0
-    refinements: int = 1
     settle_time: float = 0.05
+    time_limit: float = TIME_LIMIT
     speed: SpeedPreset = field(default_factory=lambda: PRESETS["ur-default"])
 
     def __post_init__(self) -> None:
-        for name, least in (("parts", 1), ("refinements", 0), ("settle_time", 0.0)):
+        for name, least in (("parts", 1), ("settle_time", 0.0)):
             if not getattr(self, name) >= least:
                 raise ValueError(f"expected {name} of at least {least}, got {getattr(self, name)}")
-        if not self.slot_time > 0:
-            raise ValueError(f"expected slot_time above 0 s, got {self.slot_time}")
+        for name in ("slot_time", "time_limit"):
+            if not getattr(self, name) > 0:
+                raise ValueError(f"expected {name} above 0 s, got {getattr(self, name)}")
 
 
 class Cycle:
@@ -104,7 +108,12 @@ class Cycle:
         try:
             observation = next(decisions)
             while True:
-                observation = decisions.send(_asked(self._policy, observation))
+                try:
+                    decision = self._asked(self._policy, observation)
+                except PolicyError as error:
+                    decisions.throw(error)  # so that the frame is told of
+                    raise
+                observation = decisions.send(decision)
         except StopIteration as end:
             count: Count = end.value
             return count
@@ -155,26 +164,25 @@ class Cycle:
         """One view of the search run, its second looks and the attempt that may follow; None without one."""
         self._enter(State.SEARCH, f"view {self._view}")
         contact = self._move_camera(self._search.view(self._view))
-        for look in range(self._config.refinements + 1):
-            if contact is not None:
-                return self._referee.verdict(contact)
-            seen = yield from self._look(refining=look > 0)
+        refining = False
+        while contact is None:
+            seen = yield from self._look(refining, deadline)
             action = seen.decision.action
             in_time = self._station.time < deadline
             if action is Action.GRASP and in_time:
                 return self._attempt(seen)
             if action is Action.GRASP:
                 self._view -= 1  # the next part's time begins with this view: there is something to grasp
-            if action is not Action.REFINE or look == self._config.refinements or not in_time:
+            if action is not Action.REFINE or not in_time:
                 return None
-            X_BC = self._refinement_view(seen)
             self._enter(State.REFINE, f"detection {seen.decision.detection}")
             try:
-                contact = self._move_camera(X_BC)
+                contact = self._move_camera(self._refinement_view(seen))
             except Unreachable as reason:
                 self._enter(State.SEARCH, str(reason))
                 return None
-        return None
+            refining = True
+        return self._referee.verdict(contact)
 
     def _move_camera(self, X_BC: Pose) -> Contact | None:
         """Moves the camera; after a contact back to where the move began, with nothing watched on that way."""
@@ -185,26 +193,30 @@ class Cycle:
             self._motion.to_joints(q_before, watch=frozenset())
         return contact
 
-    def _look(self, refining: bool) -> Deciding[Seen]:
+    def _look(self, refining: bool, deadline: float) -> Deciding[Seen]:
         self._enter(State.LOOK, "camera in place")
         self._station.wait(self._config.settle_time, frozenset())
-        observation = self._perception.look(self._station, refining)
-        self._enter(State.DECIDE, f"{len(observation.detections)} detections")
-        decision = yield observation
-        _check(decision, observation, self._policy)
+        frame, observation = self._perception.take_frame(self._station), None
+        try:
+            observation = self._perception.observe(frame, refining, deadline - self._station.time)
+            self._enter(State.DECIDE, f"{len(observation.detections)} detections")
+            decision = yield observation
+            _check(decision, observation, self._policy)
+        except (EstimatorError, PolicyError) as error:
+            self._tell(Failed(frame, refining, observation, str(error)))
+            raise
         seen = Seen(self._slot, self._decisions, observation, decision)
         self._decisions += 1
         self._tell(seen)
         return seen
 
     def _refinement_view(self, seen: Seen) -> Pose:
-        frame = seen.observation.frame
-        X_CO_est = seen.observation.poses[0][_detection(seen.decision)]
-        return refinement_view(frame.X_BC, X_CO_est, self._perception.part.mesh.bounds.mean(axis=0))
+        X_BO_est = seen.observation.X_BO_est(_detection(seen.decision))
+        return seen.decision.X_BC or refinement_view(X_BO_est, self._perception.part.mesh.bounds.mean(axis=0))
 
     def _attempt(self, seen: Seen) -> Outcome:
         observation, index = seen.observation, _detection(seen.decision)
-        X_BO_est = observation.frame.X_BC @ observation.poses[0][index]
+        X_BO_est = seen.decision.X_BO_est or observation.X_BO_est(index)
         start = self._station.time
         self._referee.attempt_begins(self._container_slot)
         reach = Attempt(self._motion, self._perception.part, self._enter).run(X_BO_est, self._container_slot)
@@ -231,21 +243,17 @@ class Cycle:
             self._container_slot += 1  # something was put there, well or badly
         return outcome
 
+    def _asked(self, policy: Policy, observation: Observation) -> Decision:
+        """The policy's decision; raises PolicyError if the policy fails."""
+        return ask(
+            lambda: policy.decide(observation),
+            self._config.time_limit,
+            lambda what: PolicyError(f"{_who(policy, observation)}: {what}"),
+        )
+
     def _enter(self, state: State, reason: str) -> None:
         self._tell(Transition(self._station.time, self._state, state, reason))
         self._state = state
-
-
-def _asked(policy: Policy, observation: Observation) -> Decision:
-    """The policy's decision.
-
-    Raises:
-        PolicyError: the policy raised.
-    """
-    try:
-        return policy.decide(observation)
-    except Exception as error:
-        raise PolicyError(f"{_who(policy, observation)}: raised {type(error).__name__}: {error}") from error
 
 
 def _check(decision: object, observation: Observation, policy: Policy | None) -> None:
@@ -253,11 +261,19 @@ def _check(decision: object, observation: Observation, policy: Policy | None) ->
     who = _who(policy, observation)
     if not isinstance(decision, Decision):
         raise PolicyError(f"{who}: expected a cell.interfaces.Decision, got {type(decision).__name__}")
-    count = len(observation.detections)
-    if decision.action is not Action.SEARCH and decision.detection not in range(count):
-        raise PolicyError(
-            f"{who}: expected a detection in 0..{count - 1} to {decision.action}, got {decision.detection}"
-        )
+    if not isinstance(decision.action, Action):
+        raise PolicyError(f"{who}: expected a cell.interfaces.Action, got {decision.action!r}")
+    count, chosen = len(observation.detections), decision.detection
+    none_is_due = chosen is None and decision.action is Action.SEARCH
+    if not (none_is_due or (isinstance(chosen, Integral) and 0 <= chosen < count)):
+        raise PolicyError(f"{who}: expected a detection in 0..{count - 1} to {decision.action}, got {chosen}")
+    bound = decision.threshold
+    if not (bound is None or (isinstance(bound, Real) and math.isfinite(bound))):
+        raise PolicyError(f"{who}: expected a threshold that is a number or None, got {bound!r}")
+    for name in ("X_BO_est", "X_BC"):
+        pose = getattr(decision, name)
+        if not (pose is None or isinstance(pose, Pose)):
+            raise PolicyError(f"{who}: expected {name} to be a maskval.Pose or None, got {type(pose).__name__}")
 
 
 def _who(policy: Policy | None, observation: Observation) -> str:

@@ -14,11 +14,11 @@ class InvalidTrajectoryError(CellError, ValueError):
 
 
 class EstimatorError(CellError, RuntimeError):
-    """An estimator or an uncertainty method raised, or returned something that is no estimate."""
+    """An estimator or an uncertainty method raised, took too long, or returned something that is no estimate."""
 
 
 class PolicyError(CellError, RuntimeError):
-    """A policy raised, or decided upon a detection that does not exist."""
+    """A policy raised, took too long, or decided what cannot be."""
 
 
 class LayoutError(CellError, ValueError):

@@ -101,11 +101,21 @@ class Action(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Decision:
-    """An action and the detection that it is about; `threshold` is the bound that u met, if there was one."""
+    """An action, and what it is about.
+
+    Attributes:
+        action: what to do.
+        detection: the detection that it is about; None to search on because there was none.
+        threshold: the bound that the detection's u met or, to search on, that it missed; None if there was none.
+        X_BO_est: to grasp, the pose to act upon; None for the detection's own.
+        X_BC: to refine, the view to take; None for the one straight above the part.
+    """
 
     action: Action
     detection: int | None = None
     threshold: float | None = None
+    X_BO_est: Pose | None = None
+    X_BC: Pose | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -117,7 +127,8 @@ class Observation:
         detections: what was found, best score first.
         poses: poses[e][i] is estimator e's X_CO_est of detection i; estimator 0's is the one to act upon.
         uncertainties: u of each detection, (N,) in [0, 1].
-        refining: whether this frame was taken to have a second look.
+        refining: whether this frame was taken to have another look.
+        time_left: s until the part's time is up; an attempt that begins before is finished.
     """
 
     frame: Frame
@@ -125,13 +136,18 @@ class Observation:
     poses: tuple[tuple[Pose, ...], ...]
     uncertainties: NDArray[np.float64]
     refining: bool
+    time_left: float
+
+    def X_BO_est(self, detection: int) -> Pose:
+        """The estimated pose of a detection in the robot's base."""
+        return self.frame.X_BC @ self.poses[0][detection]
 
 
 class Policy(Protocol):
-    """A decision rule."""
+    """A decision rule; made anew for every experiment, so that it may remember what it has seen."""
 
     def decide(self, observation: Observation) -> Decision:
-        """What to do, given the newest observation."""
+        """What to do, given the newest observation. To refine is possible as long as the part has time left."""
 
 
 class Touch(StrEnum):

@@ -1,5 +1,6 @@
 """From a picture to an observation: detect, estimate, quantify, and refuse what is no estimate."""
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from numbers import Real
@@ -8,8 +9,9 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from cell.asking import TIME_LIMIT, ask
 from cell.errors import EstimatorError
-from cell.interfaces import Detection, Frame, MaskEstimator, Observation, PoseEstimator, Station
+from cell.interfaces import Detection, Frame, Image, MaskEstimator, Observation, PoseEstimator, Station
 from cell.part import Part
 from maskval import Estimates, Pose, UncertaintyMethod
 
@@ -26,6 +28,7 @@ class Perception:
         pose_estimators: the first one's poses are acted upon.
         method: says how uncertain they are.
         pixel_center: where the camera samples pixel i, i + pixel_center.
+        time_limit: s of the wall clock that each of them has per frame.
     """
 
     part: Part
@@ -33,19 +36,45 @@ class Perception:
     pose_estimators: tuple[PoseEstimator, ...]
     method: UncertaintyMethod
     pixel_center: float
+    time_limit: float = TIME_LIMIT
 
-    def look(self, station: Station, refining: bool) -> Observation:
-        """Takes a picture and concludes from it; the inference of every network used is charged to the clock.
+    def take_frame(self, station: Station) -> Frame:
+        """A picture with what the networks in use read; the inference of all of them is charged to the clock.
 
         Raises:
-            EstimatorError: an estimator or the method raised, or returned something else than it promises.
+            EstimatorError: an estimator or the method says of itself what cannot be.
         """
-        used = self.pose_estimators[: self.method.estimators]
+        used = self._used()
+        _check_network(self.detector)
+        for estimator in used:
+            _check_network(estimator)
         frame = station.take_frame(self.detector.images.union(*(estimator.images for estimator in used)))
         station.wait(self.detector.inference_time + sum(estimator.inference_time for estimator in used), frozenset())
-        detections = _detect(self.detector, frame)
-        poses = tuple(_estimate(estimator, frame, detections) for estimator in used)
-        return Observation(frame, detections, poses, self._uncertainties(frame, detections, poses), refining)
+        return frame
+
+    def observe(self, frame: Frame, refining: bool, time_left: float) -> Observation:
+        """What is concluded from a picture.
+
+        Args:
+            frame: the picture.
+            refining: see `Observation`.
+            time_left: s, see `Observation`.
+
+        Raises:
+            EstimatorError: an estimator or the method raised, took too long, or returned what it should not.
+        """
+        detections = self._detect(frame)
+        poses = tuple(self._estimate(estimator, frame, detections) for estimator in self._used())
+        u = self._uncertainties(frame, detections, poses)
+        return Observation(frame, detections, poses, u, refining, time_left)
+
+    def _used(self) -> tuple[PoseEstimator, ...]:
+        needed, available = self.method.estimators, len(self.pose_estimators)
+        if not (isinstance(needed, int) and 1 <= needed <= available):
+            raise EstimatorError(
+                f"{type(self.method).__name__}: expected estimators of 1..{available}, as there are, got {needed!r}"
+            )
+        return self.pose_estimators[:needed]
 
     def _uncertainties(
         self, frame: Frame, detections: Sequence[Detection], poses: tuple[tuple[Pose, ...], ...]
@@ -59,49 +88,53 @@ class Perception:
             scores=np.array([detection.score for detection in detections]),
             pixel_center=self.pixel_center,
         )
-        u = _asked(self.method, frame, lambda: np.array(self.method(estimates), dtype=np.float64))
+        u = self._asked(self.method, frame, lambda: np.array(self.method(estimates), dtype=np.float64))
         if u.shape != (len(detections),) or not np.all((u >= 0.0) & (u <= 1.0)):
             raise _refusal(self.method, frame, f"expected {len(detections)} uncertainties in [0, 1], got {u}")
         u.setflags(write=False)
         return u
 
+    def _detect(self, frame: Frame) -> tuple[Detection, ...]:
+        detector, size = self.detector, (frame.camera.height, frame.camera.width)
+        detections = self._asked(detector, frame, lambda: tuple(detector.detect(frame)))
+        for index, detection in enumerate(detections):
+            wrong = _wrong_detection(detection, index, size)
+            if wrong is not None:
+                raise _refusal(detector, frame, wrong)
+        return tuple(sorted(detections, key=lambda detection: -detection.score))
 
-def _detect(detector: MaskEstimator, frame: Frame) -> tuple[Detection, ...]:
-    detections = _asked(detector, frame, lambda: tuple(detector.detect(frame)))
-    size = (frame.camera.height, frame.camera.width)
-    for index, detection in enumerate(detections):
-        if not isinstance(detection, Detection):
-            raise _refusal(
-                detector,
-                frame,
-                f"expected detection {index} to be a cell.interfaces.Detection, got {type(detection).__name__}",
-            )
-        mask = np.asarray(detection.mask)
-        if mask.shape != size or mask.dtype != np.bool_:
-            raise _refusal(
-                detector, frame, f"expected mask {index} to be bool of shape {size}, got {mask.dtype} of {mask.shape}"
-            )
-        if not (isinstance(detection.score, Real) and 0.0 <= detection.score <= 1.0):
-            raise _refusal(detector, frame, f"expected score {index} in [0, 1], got {detection.score}")
-    return tuple(sorted(detections, key=lambda detection: -detection.score))
+    def _estimate(self, estimator: PoseEstimator, frame: Frame, detections: Sequence[Detection]) -> tuple[Pose, ...]:
+        poses = self._asked(estimator, frame, lambda: tuple(estimator.estimate(frame, detections)))
+        if len(poses) != len(detections):
+            raise _refusal(estimator, frame, f"expected {len(detections)} poses, one per detection, got {len(poses)}")
+        for index, pose in enumerate(poses):
+            if not isinstance(pose, Pose):
+                kind = type(pose).__name__
+                raise _refusal(estimator, frame, f"expected pose {index} to be a maskval.Pose, got {kind}")
+        return poses
 
-
-def _estimate(estimator: PoseEstimator, frame: Frame, detections: Sequence[Detection]) -> tuple[Pose, ...]:
-    poses = _asked(estimator, frame, lambda: tuple(estimator.estimate(frame, detections)))
-    if len(poses) != len(detections):
-        raise _refusal(estimator, frame, f"expected {len(detections)} poses, one per detection, got {len(poses)}")
-    for index, pose in enumerate(poses):
-        if not isinstance(pose, Pose):
-            raise _refusal(estimator, frame, f"expected pose {index} to be a maskval.Pose, got {type(pose).__name__}")
-    return poses
+    def _asked(self, who: object, frame: Frame, question: Callable[[], T]) -> T:
+        return ask(question, self.time_limit, lambda what: _refusal(who, frame, what))
 
 
-def _asked(who: object, frame: Frame, question: Callable[[], T]) -> T:
-    """The answer; whatever is raised meanwhile is said to be the estimator's."""
-    try:
-        return question()
-    except Exception as error:
-        raise _refusal(who, frame, f"raised {type(error).__name__}: {error}") from error
+def _wrong_detection(detection: object, index: int, size: tuple[int, int]) -> str | None:
+    """What is wrong with a detection, None if nothing is."""
+    if not isinstance(detection, Detection):
+        return f"expected detection {index} to be a cell.interfaces.Detection, got {type(detection).__name__}"
+    mask = np.asarray(detection.mask)
+    if mask.shape != size or mask.dtype != np.bool_:
+        return f"expected mask {index} to be bool of shape {size}, got {mask.dtype} of {mask.shape}"
+    if not (isinstance(detection.score, Real) and 0.0 <= detection.score <= 1.0):
+        return f"expected score {index} in [0, 1], got {detection.score}"
+    return None
+
+
+def _check_network(network: MaskEstimator | PoseEstimator) -> None:
+    name, cost, images = type(network).__name__, network.inference_time, network.images
+    if not (isinstance(cost, Real) and 0.0 <= cost < math.inf):
+        raise EstimatorError(f"{name}: expected inference_time in seconds, 0 or more, got {cost!r}")
+    if not (isinstance(images, frozenset) and all(isinstance(image, Image) for image in images)):
+        raise EstimatorError(f"{name}: expected images to be a frozenset of cell.interfaces.Image, got {images!r}")
 
 
 def _refusal(who: object, frame: Frame, what: str) -> EstimatorError:

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from enum import StrEnum
 
-from cell.interfaces import Contact, Decision, Observation, Outcome
+from cell.interfaces import Contact, Decision, Frame, Observation, Outcome
 from maskval import Pose
 
 
@@ -46,6 +46,23 @@ class Seen:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Failed:
+    """A frame upon which nothing was decided, because an estimator, the method or the policy failed.
+
+    Attributes:
+        frame: the picture.
+        refining: whether it was taken to have another look.
+        observation: what was concluded from it; None if that failed.
+        reason: who failed, and how.
+    """
+
+    frame: Frame
+    refining: bool
+    observation: Observation | None
+    reason: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class AttemptRecord:
     """One reach for a part, traceable to frame, detection, pose, u and threshold.
 
@@ -56,7 +73,7 @@ class AttemptRecord:
         detection: index in that frame.
         u: the detection's uncertainty.
         threshold: the bound that u met, if there was one.
-        X_BO_est: the estimated pose of the part in the robot's base.
+        X_BO_est: the pose acted upon: the part in the robot's base as the detection, or the policy, has it.
         grasp: name of the grasp, if one was found.
         container_slot: where the part was to go.
         start: s.

@@ -10,6 +10,7 @@ from experiments.errors import UsageError
 
 Kind = Literal["noisy", "oracle"]
 ESTIMATORS = get_args(Kind)
+FAILED = 3  # exit code of a command whose experiments, or some of them, failed
 _MOST = 2**31 - 1  # what the logs' columns hold
 
 

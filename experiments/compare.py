@@ -7,7 +7,7 @@ from contextlib import closing
 from tqdm import tqdm
 
 from cell.records import Count
-from experiments.checks import writable_folder
+from experiments.checks import FAILED, writable_folder
 from experiments.config import Compare
 from experiments.experiment import ExperimentSpec, Result, run_experiment
 from experiments.pool import run_all
@@ -26,7 +26,7 @@ def compare(config: Compare) -> int:
     """Runs all experiments, prints the table and writes the results; returns the exit code.
 
     Ctrl-C keeps what is finished: the table, the logs and the manifest are written for it. So does the death of a
-    worker process.
+    worker process. An experiment that failed is in the table, the logs and the exit code, and ends nothing.
 
     Raises:
         UsageError: an argument that cannot be.
@@ -70,7 +70,7 @@ def compare(config: Compare) -> int:
         print(f"{reason} after {len(results)} of {len(specs)} experiments; what is finished is in {folder}")
         return code
     print(f"results in {folder}")
-    return 0
+    return FAILED if any(result.failure is not None for result in results) else 0
 
 
 def make_cells(specs: Sequence[ExperimentSpec], results: Sequence[Result]) -> list[Cell]:

@@ -3,9 +3,9 @@
 from dataclasses import dataclass, field
 from typing import Any
 
-from cell.interfaces import Observation
+from cell.interfaces import Frame, Observation
 from cell.part import Part
-from cell.records import AttemptRecord, Count, Seen, Slot, Transition
+from cell.records import AttemptRecord, Count, Failed, Seen, Slot, Transition
 from maskval import Pose, mdd, rle_counts
 from sim.truth import FrameTruth, TruthBooth
 
@@ -50,6 +50,8 @@ class Recorder:
                 )
             case Seen():
                 self._add_seen(record)
+            case Failed():
+                self._add_frame(record.frame, record.refining, record.observation, record.reason)
             case AttemptRecord():
                 self._add_attempt(record)
             case Slot():
@@ -81,29 +83,36 @@ class Recorder:
 
     def _add_seen(self, seen: Seen) -> None:
         observation, decision = seen.observation, seen.decision
-        frame = observation.frame
-        self._add(
-            "frames",
-            frame=frame.index,
-            time_s=frame.time,
-            refining=observation.refining,
-            X_BC=pose_row(frame.X_BC),
-            detections=len(observation.detections),
-        )
-        truth = self.booth.of(frame)
-        for index in range(len(observation.detections)):
-            self._add("estimates", frame=frame.index, detection=index, **self._estimate(observation, index, truth))
+        self._add_frame(observation.frame, observation.refining, observation, None)
         chosen = decision.detection
         self._add(
             "decisions",
             decision=seen.decision_index,
             slot=seen.slot,
-            frame=frame.index,
+            frame=observation.frame.index,
             action=decision.action.value,
             detection=chosen,
             u=None if chosen is None else float(observation.uncertainties[chosen]),
             threshold=decision.threshold,
+            X_BO_est=None if decision.X_BO_est is None else pose_row(decision.X_BO_est),
+            X_BC=None if decision.X_BC is None else pose_row(decision.X_BC),
         )
+
+    def _add_frame(self, frame: Frame, refining: bool, observation: Observation | None, failure: str | None) -> None:
+        detections = None if observation is None else len(observation.detections)
+        self._add(
+            "frames",
+            frame=frame.index,
+            time_s=frame.time,
+            refining=refining,
+            X_BC=pose_row(frame.X_BC),
+            detections=detections,
+            failure=failure,
+        )
+        if observation is not None:
+            truth = self.booth.of(frame)
+            for index in range(len(observation.detections)):
+                self._add("estimates", frame=frame.index, detection=index, **self._estimate(observation, index, truth))
 
     def _estimate(self, observation: Observation, index: int, truth: FrameTruth) -> Row:
         detection = observation.detections[index]

@@ -3,9 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from cell.interfaces import Action
+from cell.interfaces import Action, Decision
 from cell.records import AttemptRecord, Seen, Slot, State, Transition
-from experiments.checks import writable_folder
+from experiments.checks import FAILED, writable_folder
 from experiments.config import Run
 from experiments.experiment import run_experiment
 from experiments.provenance import manifest, write_json
@@ -39,7 +39,7 @@ def run(config: Run) -> int:
         write_json(folder / "manifest.json", {**manifest(config), "seed": config.seed})
     if result.count is None:
         print(f"failed: {result.failure}")
-        return 1
+        return FAILED
     count = result.count
     print(
         f"{count.tp} placed (TP), {count.fp} failed (FP), {count.fn} left on the belt (FN), {count.void} void, "
@@ -81,7 +81,13 @@ def _seen_lines(seen: Seen, booth: TruthBooth, vertices_O: NDArray[np.float64]) 
             f"             detection {index}: {int(detection.mask.sum())} px, score {detection.score:.2f}, "
             f"u = {observation.uncertainties[index]:.3f} ({error})"
         )
-    bound = "" if decision.threshold is None else f", u ≤ {decision.threshold:g}"
-    about = "" if decision.action is Action.SEARCH else f" detection {decision.detection}{bound}"
-    told.append(f"             decision: {decision.action}{about}")
+    told.append(f"             decision: {_in_words(decision)}")
     return told
+
+
+def _in_words(decision: Decision) -> str:
+    if decision.detection is None:
+        return decision.action.value
+    missed = decision.action is Action.SEARCH
+    bound = "" if decision.threshold is None else f", u {'>' if missed else '≤'} {decision.threshold:g}"
+    return f"{decision.action}{', best was' if missed else ''} detection {decision.detection}{bound}"

@@ -7,7 +7,7 @@ from cell.interfaces import Action, Decision, Observation
 
 @dataclass(frozen=True, slots=True)
 class Threshold:
-    """Acts on the least uncertain detection: u ≤ u_grasp grasps, else u ≤ u_refine looks again, else searches on.
+    """Acts on the least uncertain detection: u ≤ u_grasp grasps, else u ≤ u_refine looks again, once, else searches on.
 
     Attributes:
         u_grasp: the paper's u_t,g, in [0, 1].
@@ -31,6 +31,6 @@ class Threshold:
         u = observation.uncertainties[best]
         if u <= self.u_grasp:
             return Decision(Action.GRASP, best, self.u_grasp)
-        if u <= self.u_refine:
-            return Decision(Action.REFINE, best, self.u_refine)
-        return Decision(Action.SEARCH)
+        if observation.refining:
+            return Decision(Action.SEARCH, best, self.u_grasp)
+        return Decision(Action.REFINE if u <= self.u_refine else Action.SEARCH, best, self.u_refine)

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cell.cycle import Cycle, CycleConfig
-from cell.interfaces import Contact, Detection, Frame, Image, Observation, Outcome, Policy, Touch
+from cell.interfaces import Contact, Detection, Frame, Image, Listener, Observation, Outcome, Policy, Touch
 from cell.layout import Layout
 from cell.part import Grasp, Part
 from cell.perception import Perception
@@ -331,6 +331,7 @@ def run_cycle(
     tries: Sequence[Try] = (Try(),),
     touches: dict[State, Touch] | None = None,
     left_on_belt: int = 0,
+    listener: Listener | None = None,
 ) -> Experiment:
     """Runs a cycle on the fakes; unless scripted otherwise every frame shows one certain part that can be placed.
 
@@ -350,7 +351,7 @@ def run_cycle(
         policy=policy,
         layout=layout,
         config=config or CycleConfig(parts=1, settle_time=SETTLE_TIME),
-        listener=records,
+        listener=listener or records,
     )
     return Experiment(cycle.run(), records, station, referee)
 
@@ -360,4 +361,4 @@ def observation(u: Sequence[float], scores: Sequence[float] | None = None) -> Ob
     frame = Frame(0, 0.0, small_layout().camera, Pose.identity())
     detections = tuple(FakeMasks([scores or [0.9] * len(u)]).detect(frame))
     poses = (tuple(Pose.identity() for _ in detections),)
-    return Observation(frame, detections, poses, np.array(u, dtype=np.float64), refining=False)
+    return Observation(frame, detections, poses, np.array(u, dtype=np.float64), refining=False, time_left=10.0)

@@ -1,4 +1,6 @@
 import re
+import sys
+import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -10,10 +12,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cell.cycle import CycleConfig
-from cell.errors import EstimatorError, LayoutError, PolicyError
+from cell.errors import CellError, EstimatorError, LayoutError, PolicyError
 from cell.interfaces import Action, Decision, Detection, Frame, Observation, Outcome, Touch
-from cell.records import Slot, State
-from cell.search import search_run
+from cell.records import Failed, Slot, State
+from cell.search import refinement_view, search_run
+from cell.ur10 import forward
 from maskval import Pose
 from policies import Always, Threshold
 from tests.fakes import (
@@ -52,8 +55,8 @@ REACH = [
 CAREFUL = Threshold(u_grasp=0.2, u_refine=0.6)
 
 
-def config(parts: int = 1, slot_time: float = 20.0, refinements: int = 1) -> CycleConfig:
-    return CycleConfig(parts=parts, slot_time=slot_time, refinements=refinements, settle_time=SETTLE_TIME)
+def config(parts: int = 1, slot_time: float = 20.0, **other: float) -> CycleConfig:
+    return CycleConfig(parts=parts, slot_time=slot_time, settle_time=SETTLE_TIME, **other)
 
 
 def views_of(experiment: Experiment) -> list[int | None]:
@@ -150,7 +153,7 @@ def test_a_grasp_that_comes_too_late_lets_the_next_part_begin_with_its_view():
     ("change", "words"),
     [
         ({"parts": 0}, "parts of at least 1, got 0"),
-        ({"refinements": -1}, "refinements of at least 0, got -1"),
+        ({"time_limit": 0.0}, "time_limit above 0 s, got 0.0"),
         ({"slot_time": 0.0}, "slot_time above 0 s, got 0.0"),
         ({"settle_time": float("nan")}, "settle_time of at least 0.0, got nan"),
     ],
@@ -253,19 +256,38 @@ def test_u_between_the_thresholds_leads_to_one_second_look_that_centres_the_part
     assert experiment.attempts[0].u == 0.1
 
 
-@pytest.mark.parametrize(
-    ("refinements", "refining"),
-    [(0, [False] * 3), (1, [False, True] * 3), (2, [False, True, True] * 3)],
-)
-def test_a_part_that_stays_uncertain_is_looked_at_again_as_often_as_allowed_then_the_search_goes_on(
-    refinements, refining
-):
-    looks = 1 + refinements
-    experiment = run_cycle(CAREFUL, config=config(slot_time=100.0, refinements=refinements), u=[0.4])
-    assert [seen.observation.refining for seen in experiment.seen][: 3 * looks] == refining
-    assert views_of(experiment)[: 3 * looks : looks] == [0, 1, 2]
+def test_a_part_that_stays_uncertain_is_looked_at_once_more_then_the_search_goes_on():
+    experiment = run_cycle(CAREFUL, config=config(slot_time=100.0), u=[0.4])
+    assert [seen.observation.refining for seen in experiment.seen][:6] == [False, True] * 3
+    assert views_of(experiment)[:6:2] == [0, 1, 2]
     assert experiment.attempts == []
     assert experiment.count.timeouts == 1
+
+
+def test_a_policy_may_look_again_until_the_time_is_up_and_knows_what_is_left():
+    always_again = Deciding(lambda: Decision(Action.REFINE, 0), first=0)
+    experiment = run_cycle(always_again, config=config(slot_time=7.0))
+    # A look takes 2 s, 1 s when the arm is there already; what is left is counted when the networks have answered.
+    assert [seen.observation.time_left for seen in experiment.seen] == [5.0, 3.0, 2.0, 1.0, 0.0]
+    assert [seen.observation.refining for seen in experiment.seen] == [False, True, True, True, True]
+    assert experiment.count.timeouts == 1
+
+
+def test_a_policy_chooses_the_view_of_the_next_look():
+    X_BC = refinement_view(HERE, np.zeros(3))
+    experiment = run_cycle(Deciding(lambda: Decision(Action.REFINE, 0, X_BC=X_BC), first=0), config=config(slot_time=3))
+    _, second = experiment.seen
+    np.testing.assert_allclose(second.observation.frame.X_BC.matrix, X_BC.matrix, atol=1e-9)
+
+
+def test_a_policy_chooses_the_pose_that_is_grasped():
+    elsewhere = on_belt(PART, LAYOUT, turned(yaw_deg=30), y_W=0.1)
+    experiment = run_cycle(Deciding(lambda: Decision(Action.GRASP, 0, X_BO_est=elsewhere), first=0))
+    assert experiment.attempts[0].X_BO_est is elsewhere
+    (grasp,) = (grasp for grasp in PART.grasps if grasp.name == experiment.attempts[0].grasp)
+    descended = [motion.q for motion in experiment.station.motions if motion.state is State.DESCEND][-1]
+    X_BT = forward(descended) @ LAYOUT.gripper.X_FT
+    np.testing.assert_allclose(X_BT.translation, (elsewhere @ grasp.X_OT).translation, atol=1e-6)
 
 
 def test_u_above_both_thresholds_is_searched_past():
@@ -361,12 +383,13 @@ def test_an_attempt_tells_what_stopped_it_and_how_far_it_came():
 
 @dataclass
 class Deciding:
-    """A policy that decides whatever it is told to, from the second frame on; before, it searches."""
+    """A policy that decides whatever it is told to, from a certain frame on; before, it searches."""
 
     answer: Callable[[], Any]
+    first: int = 1
 
     def decide(self, observation: Observation) -> Any:
-        return Decision(Action.SEARCH) if observation.frame.index == 0 else self.answer()
+        return Decision(Action.SEARCH) if observation.frame.index < self.first else self.answer()
 
 
 def raising() -> Any:
@@ -383,6 +406,17 @@ def raising() -> Any:
         (lambda: Decision(Action.GRASP, -1), "expected a detection in 0..1 to grasp, got -1"),
         (lambda: Decision(Action.REFINE, 2), "expected a detection in 0..1 to refine, got 2"),
         (lambda: Decision(Action.GRASP), "expected a detection in 0..1 to grasp, got None"),
+        (lambda: Decision(Action.GRASP, 1.0), "expected a detection in 0..1 to grasp, got 1.0"),
+        (lambda: Decision(Action.SEARCH, 2), "expected a detection in 0..1 to search, got 2"),
+        (lambda: Decision("grasp", 0), "expected a cell.interfaces.Action, got 'grasp'"),
+        (lambda: Decision(Action.GRASP, 0, "low"), "expected a threshold that is a number or None, got 'low'"),
+        (lambda: Decision(Action.GRASP, 0, float("nan")), "expected a threshold that is a number or None, got nan"),
+        (
+            lambda: Decision(Action.GRASP, 0, None, np.eye(4)),
+            "expected X_BO_est to be a maskval.Pose or None, got ndarray",
+        ),
+        (lambda: Decision(Action.REFINE, 0, X_BC="up"), "expected X_BC to be a maskval.Pose or None, got str"),
+        (lambda: sys.exit("bye"), "raised SystemExit: bye"),
     ],
 )
 def test_a_policy_that_raises_or_names_what_is_not_there_is_refused_by_name_and_frame(answer, message):
@@ -393,6 +427,24 @@ def test_a_policy_that_raises_or_names_what_is_not_there_is_refused_by_name_and_
 def test_rubbish_from_a_network_ends_the_experiment_and_not_only_the_slot():
     with pytest.raises(EstimatorError, match=r"FakeMasks on frame 2: expected score 0 in \[0, 1\], got 7.0"):
         run_cycle(Always(), config=config(parts=2), masks=[[], [], [7.0]])
+
+
+@pytest.mark.parametrize("case", ["detector", "policy"])
+def test_the_frame_on_which_something_failed_is_told_of(case):
+    told: list[object] = []
+    fails = Deciding(raising, first=2) if case == "policy" else Always()
+    masks = [[]] * 2 + [[0.9]] if case == "policy" else [[], [], [7.0]]
+    with pytest.raises(CellError) as error:
+        run_cycle(fails, masks=masks, listener=told.append)
+    (failed,) = (record for record in told if isinstance(record, Failed))
+    assert (failed.frame.index, failed.refining, failed.reason) == (2, False, str(error.value))
+    assert (failed.observation is None) == (case == "detector")
+    assert told[-1] is failed
+
+
+def test_a_policy_that_hangs_is_ended_by_name_and_frame():
+    with pytest.raises(PolicyError, match=r"^Deciding on frame 1: took longer than 0\.05 s$"):
+        run_cycle(Deciding(lambda: time.sleep(30)), config=config(time_limit=0.05))
 
 
 # Whatever happens
@@ -436,7 +488,7 @@ STOPPED = st.sampled_from([*REACH]).map(lambda state: Try(touches=(state, Touch.
 @given(
     happenings=st.lists(HAPPENINGS, min_size=1, max_size=12),
     tries=st.lists(st.one_of(FINISHED, STOPPED, st.just(VOID)), min_size=1, max_size=6),
-    config=st.builds(config, st.integers(1, 4), st.sampled_from([1.0, 6.0, 12.0]), st.integers(0, 2)),
+    config=st.builds(config, st.integers(1, 4), st.sampled_from([1.0, 6.0, 12.0])),
     left_on_belt=st.integers(0, 4),
 )
 @settings(max_examples=200, deadline=None)

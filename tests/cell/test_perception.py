@@ -1,3 +1,6 @@
+import dataclasses
+import re
+import time
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -24,7 +27,7 @@ def perception(
 
 
 def look(seeing: Perception, station: FakeStation | None = None, refining: bool = False) -> Observation:
-    return seeing.look(station or FakeStation(LAYOUT), refining)
+    return seeing.observe(seeing.take_frame(station or FakeStation(LAYOUT)), refining, time_left=5.0)
 
 
 def test_detections_come_best_score_first_and_equal_ones_in_the_detectors_order():
@@ -175,7 +178,44 @@ def test_a_method_that_returns_rubbish_is_refused_by_name_and_frame(answer, word
 
 
 def test_a_method_that_needs_more_estimators_than_there_are_is_refused():
-    assert_refused(perception(method=EnsembleAdd(minimum_m=0.0)), "EnsembleAdd", "raised InvalidEstimatesError")
+    with pytest.raises(EstimatorError, match=r"^EnsembleAdd: expected estimators of 1..1, as there are, got 2$"):
+        look(perception(method=EnsembleAdd(minimum_m=0.0)))
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"inference_time": -1.0}, "expected inference_time in seconds, 0 or more, got -1.0"),
+        ({"inference_time": float("nan")}, "expected inference_time in seconds, 0 or more, got nan"),
+        ({"inference_time": "1 s"}, "expected inference_time in seconds, 0 or more, got '1 s'"),
+        ({"images": [Image.RGB]}, "expected images to be a frozenset of cell.interfaces.Image, got "),
+        ({"images": frozenset({"rgb"})}, "expected images to be a frozenset of cell.interfaces.Image, got "),
+    ],
+)
+@pytest.mark.parametrize("of", [FakeMasks, FakePoses])
+def test_a_network_that_says_of_itself_what_cannot_be_is_refused_by_name(of, change, words):
+    network = of([[0.9]] if of is FakeMasks else [X_BO])
+    for name, value in change.items():
+        setattr(network, name, value)
+    with pytest.raises(EstimatorError, match=f"^{of.__name__}: {re.escape(words)}"):
+        look(perception(network) if of is FakeMasks else perception(estimators=[network]))
+
+
+def hanging() -> Any:
+    time.sleep(30)
+
+
+@pytest.mark.parametrize(
+    ("who", "seeing"),
+    [
+        ("Answering", perception(detector=Answering(hanging))),
+        ("Answering", perception(estimators=[Answering(hanging)])),
+        ("Judging", perception(method=Judging(hanging))),
+    ],
+    ids=["detector", "pose estimator", "method"],
+)
+def test_who_hangs_is_ended_and_refused_by_name_and_frame(who, seeing):
+    assert_refused(dataclasses.replace(seeing, time_limit=0.05), who, "took longer than 0.05 s")
 
 
 def test_uncertainties_belong_to_the_observation_and_cannot_be_written():

@@ -310,6 +310,7 @@ def test_a_failed_experiment_is_recorded_while_the_others_go_on(
 ) -> None:
     broken(monkeypatch, 1, "network", fail)
     told = compared(capsys, tmp_path, "--objects", "antenna", "--methods", "none", "--experiments", 3)
+    assert told.code == 3
     (cell,) = table_of(tmp_path)
     assert (cell["experiments"], cell["failed"], cell["parts"]) == (2, 1, 2 * PARTS)
     assert "2 (1 failed)" in told.out
@@ -318,6 +319,10 @@ def test_a_failed_experiment_is_recorded_while_the_others_go_on(
     assert [row["failure"] is None for row in experiments] == [True, False, True]
     assert "out of memory on device 0" in experiments[1]["failure"]
     assert [experiments[1][name] for name in ("tp", "fp", "fn", "duration_s")] == 4 * [None]
+    (frame,) = rows(tmp_path, "frames", experiment=1)
+    assert frame["failure"] in experiments[1]["failure"]
+    assert (frame["frame"], frame["detections"]) == (0, None)
+    assert {row["failure"] for row in rows(tmp_path, "frames") if row["experiment"] != 1} == {None}
 
 
 def test_diverging_physics_fails_its_experiment_and_leaves_the_next_one_untouched(

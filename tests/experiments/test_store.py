@@ -57,7 +57,7 @@ def test_columns_with_a_unit_in_their_name_have_it_in_their_meaning(ending: str,
 
 def test_poses_say_their_unit_and_the_order_of_their_quaternion() -> None:
     poses = [field for schema in SCHEMAS.values() for field in schema if field.name.startswith("X_")]
-    assert len(poses) == 4  # X_BC, X_CO_est of two estimators, X_BO_est
+    assert len(poses) == 6  # X_BC, X_CO_est of two estimators, of decisions X_BO_est and X_BC, of attempts X_BO_est
     assert all(b"in m, then quaternion w, x, y, z" in pose.metadata[b"meaning"] for pose in poses)
     assert all(pose.type.list_size == 3 + 4 for pose in poses)
 

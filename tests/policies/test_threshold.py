@@ -17,8 +17,8 @@ POLICY = Threshold(u_grasp=0.2, u_refine=0.6)
         (0.2, Decision(Action.GRASP, 0, 0.2)),
         (math.nextafter(0.2, 1.0), Decision(Action.REFINE, 0, 0.6)),
         (0.6, Decision(Action.REFINE, 0, 0.6)),
-        (math.nextafter(0.6, 1.0), Decision(Action.SEARCH)),
-        (1.0, Decision(Action.SEARCH)),
+        (math.nextafter(0.6, 1.0), Decision(Action.SEARCH, 0, 0.6)),
+        (1.0, Decision(Action.SEARCH, 0, 0.6)),
     ],
 )
 def test_threshold_grasps_refines_or_searches_with_both_bounds_included(u, decision):
@@ -35,6 +35,12 @@ def test_threshold_refines_the_least_uncertain():
 
 def test_threshold_takes_the_better_score_of_two_that_are_equally_uncertain():
     assert POLICY.decide(observation([0.9, 0.1, 0.1])) == Decision(Action.GRASP, 1, 0.2)
+
+
+@pytest.mark.parametrize(("u", "action"), [(0.2, Action.GRASP), (0.5, Action.SEARCH), (0.9, Action.SEARCH)])
+def test_threshold_looks_again_only_once_and_then_the_bound_to_grasp_is_the_one_missed(u, action):
+    second_look = dataclasses.replace(observation([u]), refining=True)
+    assert POLICY.decide(second_look) == Decision(action, 0, 0.2)
 
 
 def test_threshold_searches_when_nothing_is_seen():

@@ -1,0 +1,57 @@
+"""Asks code from elsewhere a question: in its name whatever goes wrong, and not for ever."""
+
+import signal
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from types import FrameType
+from typing import TypeVar
+
+T = TypeVar("T")
+
+TIME_LIMIT = 60.0  # s of the wall clock per question; networks answer within one, so that this only ends what hangs
+_AGAIN = 1.0  # s after which time is called once more, if the code asked has swallowed the first call
+
+
+class _TimeUp(BaseException):  # no Exception, so that `except Exception` of the code asked does not swallow it
+    pass
+
+
+def ask(question: Callable[[], T], time_limit: float, refusal: Callable[[str], Exception]) -> T:
+    """The answer.
+
+    The limit is kept by an alarm of the operating system: in a process's main thread, on POSIX, and as soon as
+    Python runs; code that never comes back from C is not ended. Elsewhere there is no limit.
+
+    Args:
+        question: the call.
+        time_limit: s of the wall clock, above 0.
+        refusal: makes the error to raise of what went wrong.
+    """
+    try:
+        with _limited_to(time_limit):
+            return question()
+    except _TimeUp:
+        raise refusal(f"took longer than {time_limit:g} s") from None
+    except (Exception, SystemExit) as error:
+        raise refusal(f"raised {type(error).__name__}: {error}") from error
+
+
+@contextmanager
+def _limited_to(seconds: float) -> Iterator[None]:
+    if threading.current_thread() is not threading.main_thread() or not hasattr(signal, "setitimer"):
+        yield
+        return
+    previous = signal.signal(signal.SIGALRM, _call_time)
+    try:
+        signal.setitimer(signal.ITIMER_REAL, seconds, _AGAIN)
+        try:
+            yield
+        finally:
+            signal.setitimer(signal.ITIMER_REAL, 0.0)
+    finally:
+        signal.signal(signal.SIGALRM, previous)
+
+
+def _call_time(_: int, __: FrameType | None) -> None:
+    raise _TimeUp
