@@ -76,11 +76,12 @@ class Perception:
             )
         return self.pose_estimators[:needed]
 
-    def _uncertainties(
+    def estimates(
         self, frame: Frame, detections: Sequence[Detection], poses: tuple[tuple[Pose, ...], ...]
-    ) -> NDArray[np.float64]:
+    ) -> Estimates:
+        """What an uncertainty method is given of a frame."""
         height, width = frame.camera.height, frame.camera.width
-        estimates = Estimates(
+        return Estimates(
             camera=frame.camera,
             mesh=self.part.mesh,
             masks=np.array([detection.mask for detection in detections]).reshape(-1, height, width).astype(bool),
@@ -88,6 +89,11 @@ class Perception:
             scores=np.array([detection.score for detection in detections]),
             pixel_center=self.pixel_center,
         )
+
+    def _uncertainties(
+        self, frame: Frame, detections: Sequence[Detection], poses: tuple[tuple[Pose, ...], ...]
+    ) -> NDArray[np.float64]:
+        estimates = self.estimates(frame, detections, poses)
         u = self._asked(self.method, frame, lambda: np.array(self.method(estimates), dtype=np.float64))
         if u.shape != (len(detections),) or not np.all((u >= 0.0) & (u <= 1.0)):
             raise _refusal(self.method, frame, f"expected {len(detections)} uncertainties in [0, 1], got {u}")

@@ -5,24 +5,20 @@ from dataclasses import dataclass, field
 
 from cell.cycle import Cycle, CycleConfig
 from cell.errors import CellError
-from cell.interfaces import Listener, MaskEstimator, PoseEstimator
-from cell.perception import Perception
+from cell.interfaces import Listener
 from cell.records import Count
 from cell.speed import PRESETS
 from experiments.methods import make_method
 from experiments.recorder import Recorder, Row
 from experiments.thresholds import Thresholds
 from maskval import MaskvalError
-from sim.bench import bench, starting_poses
+from sim.bench import bench
 from sim.conditions import Conditions
 from sim.errors import SimError
-from sim.estimators import Kind, make_estimators
+from sim.estimators import Kind
 from sim.latents import Streams
-from sim.noise import load_noise
-from sim.part_numbers import PIXEL_CENTER
 from sim.parts import PartModel, load_part
-from sim.referee import SimReferee
-from sim.station import SimStation
+from sim.stage import Estimators, set_stage
 from sim.truth import TruthBooth
 
 
@@ -101,9 +97,6 @@ def run_experiment(spec: ExperimentSpec, tell: Callable[[object, TruthBooth], No
     return Result(spec, count, failure, recorder.tables)
 
 
-Estimators = tuple[MaskEstimator, tuple[PoseEstimator, ...]]
-
-
 def make_cycle(
     spec: ExperimentSpec,
     model: PartModel,
@@ -114,19 +107,14 @@ def make_cycle(
     """The cell, set up and reset, with everything that one experiment needs; `estimators` replace the spec's."""
     method = make_method(spec.method, model.part.name, spec.thresholds)
     here = bench(*spec.cell)
-    layout = here.world.layout
     streams = Streams(spec.seed, spec.experiment, model.part.name)
-    here.world.reset(starting_poses(model, spec.parts, layout, streams))
-    station = SimStation(here.world, here.camera, booth)
-    if estimators is None:
-        estimators = make_estimators(spec.estimator, booth, model.part, load_noise(model.noise), streams)
-    detector, networks = estimators
+    stage = set_stage(here, streams, booth, estimators or spec.estimator, method.uncertainty)
     return Cycle(
-        station=station,
-        referee=SimReferee(here.world, station),
-        perception=Perception(model.part, detector, networks, method.uncertainty, PIXEL_CENTER),
+        station=stage.station,
+        referee=stage.referee,
+        perception=stage.perception,
         policy=method.policy,
-        layout=layout,
+        layout=here.world.layout,
         config=CycleConfig(parts=spec.parts, speed=PRESETS[spec.speed]),
         listener=listen,
     )

@@ -17,15 +17,14 @@ from sim.world import World
 
 @dataclass(frozen=True, slots=True)
 class Bench:
-    """A world with its camera, built once per process and kind of part, and reset for every experiment."""
+    """A world with its camera, built once and reset for every experiment."""
 
     world: World
     camera: Camera
 
 
-@lru_cache(maxsize=4)
-def bench(part: str, parts: int, conditions: Conditions, maker_meshes: bool, /) -> Bench:
-    """The bench of these; benches are kept, since compiling and opening a renderer take a second.
+def build_bench(part: str, parts: int, conditions: Conditions, maker_meshes: bool, /) -> Bench:
+    """A bench of one's own.
 
     Args:
         part: name or TOML file of the part.
@@ -37,6 +36,9 @@ def bench(part: str, parts: int, conditions: Conditions, maker_meshes: bool, /) 
     X_FC_true = layout.X_FC @ Pose.from_translation(np.array(conditions.hand_eye_error_mm) / 1000.0)
     world = World(layout, load_part(part), parts, X_FC_true, maker_meshes)
     return Bench(world, Camera(world.model, layout.camera.height, layout.camera.width))
+
+
+bench = lru_cache(maxsize=4)(build_bench)  # kept, since compiling and opening a renderer take a second
 
 
 def starting_poses(model: PartModel, parts: int, layout: Layout, streams: Streams) -> list[Pose]:

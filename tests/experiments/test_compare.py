@@ -18,13 +18,13 @@ import pytest
 from cell.interfaces import Detection, Frame
 from cell.layout import Layout
 from experiments import compare as compare_module
-from experiments import experiment as experiment_module
 from experiments.cli import main
 from experiments.experiment import ExperimentSpec, Result, make_cycle, run_experiment
 from experiments.methods import METHODS
 from experiments.store import SCHEMAS
 from experiments.thresholds import load_thresholds
 from maskval import Pose, mask_from_rle
+from sim import stage as stage_module
 from sim.bench import bench
 from sim.parts import load_part
 from sim.truth import TruthBooth
@@ -234,7 +234,7 @@ class Bad:
 
 def broken(monkeypatch: pytest.MonkeyPatch, experiment: int, which: str, answer: Callable[[Frame], Any]) -> None:
     """From now on, this experiment's detector or first network answers so."""
-    make = experiment_module.make_estimators
+    make = stage_module.make_estimators
 
     def make_bad(kind: Any, booth: Any, part: Any, noise: Any, streams: Any) -> Any:
         detector, networks = make(kind, booth, part, noise, streams)
@@ -244,7 +244,7 @@ def broken(monkeypatch: pytest.MonkeyPatch, experiment: int, which: str, answer:
             return Bad(detector, answer), networks
         return detector, (Bad(networks[0], answer), networks[1])
 
-    monkeypatch.setattr(experiment_module, "make_estimators", make_bad)
+    monkeypatch.setattr(stage_module, "make_estimators", make_bad)
 
 
 def fail(_: Frame) -> None:

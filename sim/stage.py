@@ -1,0 +1,51 @@
+"""What a controller meets: a bench reset for one experiment, with its station, referee and perception."""
+
+from dataclasses import dataclass
+
+from cell.interfaces import MaskEstimator, PoseEstimator
+from cell.perception import Perception
+from maskval import UncertaintyMethod
+from sim.bench import Bench, starting_poses
+from sim.estimators import Kind, make_estimators
+from sim.latents import Streams
+from sim.noise import load_noise
+from sim.part_numbers import PIXEL_CENTER
+from sim.referee import SimReferee
+from sim.station import SimStation
+from sim.truth import TruthBooth
+
+Estimators = tuple[MaskEstimator, tuple[PoseEstimator, ...]]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Stage:
+    """The robot, who judges it, and what it sees with."""
+
+    station: SimStation
+    referee: SimReferee
+    perception: Perception
+
+
+def set_stage(
+    here: Bench, streams: Streams, booth: TruthBooth, estimators: Kind | Estimators, method: UncertaintyMethod
+) -> Stage:
+    """Lays the parts on the belt, lets them settle, and sets the clock to 0.
+
+    Args:
+        here: the bench; what stood on it before is over.
+        streams: the root of the experiment's random numbers.
+        booth: is told the truth about every frame.
+        estimators: "noisy" or "oracle", or a detector and pose networks of one's own.
+        method: says how uncertain poses are.
+
+    Raises:
+        SimError: the parts have no room, or do not come to rest.
+    """
+    world, model = here.world, here.world.part_model
+    world.reset(starting_poses(model, world.parts, world.layout, streams))
+    station = SimStation(world, here.camera, booth)
+    if isinstance(estimators, str):
+        estimators = make_estimators(estimators, booth, model.part, load_noise(model.noise), streams)
+    detector, networks = estimators
+    perception = Perception(model.part, detector, networks, method, PIXEL_CENTER)
+    return Stage(station, SimReferee(world, station), perception)
