@@ -11,6 +11,7 @@ from typing import Annotated, Any
 
 import tyro
 
+from experiments.calibrate_config import Calibrate
 from experiments.config import Compare, Picture, Run, Tolerance
 from experiments.dataset_config import Dataset
 from experiments.errors import UsageError
@@ -63,12 +64,19 @@ def _dataset(config: Dataset) -> int:
     return dataset(config)
 
 
+def _calibrate(config: Calibrate) -> int:
+    from experiments.calibrate import calibrate  # noqa: PLC0415
+
+    return calibrate(config)
+
+
 _COMMAND: Any = (
     Annotated[Compare, tyro.conf.subcommand("compare")]
     | Annotated[Run, tyro.conf.subcommand("run")]
     | Annotated[Picture, tyro.conf.subcommand("picture")]
     | Annotated[Tolerance, tyro.conf.subcommand("tolerance")]
     | Annotated[Dataset, tyro.conf.subcommand("dataset")]
+    | Annotated[Calibrate, tyro.conf.subcommand("calibrate")]
     | Annotated[Uq, tyro.conf.subcommand("uq")]
 )
 COMMANDS: dict[str, tuple[type[Any], Callable[[Any], int]]] = {
@@ -77,6 +85,7 @@ COMMANDS: dict[str, tuple[type[Any], Callable[[Any], int]]] = {
     "picture": (Picture, _picture),
     "tolerance": (Tolerance, _tolerance),
     "dataset": (Dataset, _dataset),
+    "calibrate": (Calibrate, _calibrate),
     "uq": (Uq, uq),
 }
 
@@ -86,7 +95,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     given = list(sys.argv[1:] if arguments is None else arguments)
     try:
         config = parse(given)
-        if not isinstance(config, Uq | Dataset):  # they need no physics
+        if not isinstance(config, Uq | Dataset | Calibrate):  # they need no physics
             _load_engine()
         jobs = dict(COMMANDS.values())
         code = jobs[type(config)](config)

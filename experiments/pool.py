@@ -6,7 +6,7 @@ import signal
 from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
-from typing import TypeVar
+from typing import Any, TypeVar
 
 Task = TypeVar("Task")
 Result = TypeVar("Result")
@@ -23,19 +23,31 @@ def run_all(job: Callable[[Task], Result], tasks: Sequence[Task], jobs: int) -> 
     Raises:
         BrokenProcessPool: a worker died, for want of memory for example.
     """
-    jobs = min(jobs, len(tasks))
+    with workers(min(jobs, len(tasks))) as run:
+        yield from run(job, tasks)
+
+
+Run = Callable[[Callable[[Any], Any], Sequence[Any]], Iterator[Any]]  # of a job on tasks, in order
+
+
+@contextmanager
+def workers(jobs: int) -> Iterator[Run]:
+    """Processes that stay for several rounds of tasks, so that what a job keeps is still there; 1 runs in this one."""
     if jobs <= 1:
-        yield from map(job, tasks)
+        yield map
         return
     # One thread per worker: the workers themselves fill the cores. Spawned, because OpenGL does not survive a fork.
     os.environ.setdefault("OMP_NUM_THREADS", "1")
     before = set(multiprocessing.active_children())
     pool = ProcessPoolExecutor(jobs, mp_context=multiprocessing.get_context("spawn"))
-    try:
+
+    def run(job: Callable[[Task], Result], tasks: Sequence[Task]) -> Iterator[Result]:
         with _interrupts_ignored():
             futures = [pool.submit(job, task) for task in tasks]
-        for future in futures:
-            yield future.result()
+        return (future.result() for future in futures)
+
+    try:
+        yield run
     except BaseException:
         # Nothing is cancelled: Python 3.11's pool trips over cancelled tasks when its workers end.
         for worker in set(multiprocessing.active_children()) - before:

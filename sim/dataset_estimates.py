@@ -1,6 +1,6 @@
 """What the simulated networks give for a test image: the cell's error models, with new random numbers at every view."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -48,7 +48,7 @@ def estimate_image(truth: ImageTruth, mesh: Mesh, camera: Camera, noise: PartNoi
     latents = draw_latents(truth, streams)
     detections = detect(truth, latents, noise.mask)
     parts = tuple(truth.shown_by(detection.mask) for detection in detections)
-    masks = [detection.mask for detection in detections]
+    masks = {index: detection.mask for index, detection in enumerate(detections)}
     poses = estimate(truth, latents, masks, parts, mesh=mesh, camera=camera, noise=noise.pose)
     return ImageEstimates(detections, parts, poses)
 
@@ -95,7 +95,7 @@ def detect(truth: ImageTruth, latents: ImageLatents, noise: MaskNoise) -> tuple[
 def estimate(
     truth: ImageTruth,
     latents: ImageLatents,
-    masks: Sequence[NDArray[np.bool_]],
+    masks: Mapping[int, NDArray[np.bool_]],
     parts: Sequence[int],
     *,
     mesh: Mesh,
@@ -107,7 +107,7 @@ def estimate(
     Args:
         truth: The image.
         latents: Its random numbers.
-        masks: Of each detection; looked at only where it shows no part.
+        masks: Of the detections that show no part, by index.
         parts: The part that each detection shows, or `NOTHING`.
         mesh: The part.
         camera: Intrinsics and image size.

@@ -186,19 +186,28 @@ def load_noise(name_or_file: str) -> PartNoise:
     Raises:
         NoiseFileError: no such model, or a key of its file is unknown, missing, of a wrong type or out of range.
     """
+    return read_noise(noise_text(name_or_file), name_or_file)
+
+
+def noise_text(name_or_file: str) -> str:
+    """The text of the error model of this name, or of this TOML file.
+
+    Raises:
+        NoiseFileError: there is none, or it cannot be read.
+    """
     if name_or_file.endswith(".toml"):
         path = Path(name_or_file)
         if not path.is_file():
             raise NoiseFileError(f"noise file {name_or_file} does not exist")
         try:
-            return read_noise(path.read_text(encoding="utf-8"), name_or_file)
+            return path.read_text(encoding="utf-8")
         except (OSError, UnicodeDecodeError) as error:
             raise NoiseFileError(f"{name_or_file}: cannot be read: {error}") from error
     if name_or_file not in noise_names():
         raise NoiseFileError(
             f"unknown noise {name_or_file!r}: expected one of {', '.join(noise_names())}, or the path of a .toml file"
         )
-    return read_noise((_NOISE_FOLDER / f"{name_or_file}.toml").read_text(encoding="utf-8"), name_or_file)
+    return (_NOISE_FOLDER / f"{name_or_file}.toml").read_text(encoding="utf-8")
 
 
 def read_noise(text: str, source: str) -> PartNoise:

@@ -1,0 +1,135 @@
+"""`graspcell calibrate`: the error model's parameters from the paper's dataset tables."""
+
+import sys
+from collections.abc import Sequence
+from concurrent.futures.process import BrokenProcessPool
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from tqdm import tqdm
+
+from experiments.calibrate_config import Calibrate
+from experiments.calibrate_fit import Fit, fit
+from experiments.calibrate_images import ImageSet, Trial, run_trial
+from experiments.calibrate_report import Fitted, Member, as_json, format_report
+from experiments.calibration import Calibration, Prior, Target, load_calibration, values_at
+from experiments.checks import writable_folder
+from experiments.noise_file import rewrite
+from experiments.pool import Run, workers
+from experiments.provenance import manifest, write_json
+from sim.noise import PartNoise, load_noise, noise_text
+from sim.parts import load_part
+
+WORKER_DIED = 1  # the exit code
+UNREACHED = 100.0  # misses in sd of a figure that does not exist, so that the fit turns back
+ACCEPTED = 3.0  # sd of each target within which a parameter set is as good as the fit
+
+Array = NDArray[np.float64]
+Figures = dict[tuple[str, str], float | None]  # by group and figure, as the targets
+
+
+def calibrate(config: Calibrate) -> int:
+    """Fits, prints what was reached and writes the results; returns the exit code.
+
+    Raises:
+        UsageError: an argument that cannot be.
+    """
+    config.check()
+    folder = writable_folder(config.out)
+    model = load_part(config.part)
+    noise = load_noise(model.noise)
+    calibration = load_calibration(config.targets or model.part.name, noise)
+    try:
+        with workers(config.workers) as run, tqdm(unit="trial", dynamic_ncols=True) as progress:
+            bench = _Bench(run, ImageSet(config.part, config.seed, config.images), progress)
+            fitted = _fit(bench, calibration, noise, config)
+    except BrokenProcessPool:
+        print("graspcell: error: a worker process died (out of memory?); nothing is written", file=sys.stderr)
+        return WORKER_DIED
+    (folder / "noise.toml").write_text(rewrite(noise_text(model.noise), fitted.lines()), encoding="utf-8")
+    write_json(folder / "ensemble.json", [member.values for member in fitted.members if member.accepted])
+    write_json(folder / "calibration.json", as_json(model.part.name, config.images, fitted))
+    write_json(folder / "manifest.json", {**manifest(config), "seed": config.seed})
+    print(format_report(model.part.name, config.images, fitted))
+    print(f"results in {folder}")
+    return 0
+
+
+@dataclass(frozen=True, slots=True)
+class _Bench:
+    """Where error models are tried."""
+
+    run: Run
+    images: ImageSet
+    progress: Any
+
+    def figures(self, models: Sequence[PartNoise], *, methods: bool) -> list[Figures]:
+        """The figures that each error model gives."""
+        found = []
+        for of_masks, of_methods in self.run(run_trial, [Trial(self.images, one, methods) for one in models]):
+            groups = {"mask": of_masks, **of_methods}
+            found.append(
+                {(group, name): value for group, row in groups.items() for name, value in row._asdict().items()}
+            )
+            self.progress.update()
+        return found
+
+
+def _fit(bench: _Bench, calibration: Calibration, noise: PartNoise, config: Calibrate) -> Fitted:
+    """First the detector, whose figures hang on its own parameters alone, then the pose networks behind it."""
+    fits: dict[str, Fit] = {}
+    groups = {"mask": ("mask",), "pose": ("maskval", "ensemble-add")}
+    for section, names in groups.items():
+        priors, targets = calibration.priors_of(section), calibration.targets_of(*names)
+        if not priors or not targets:
+            continue
+        misses = partial(_misses, bench, noise, priors, targets)
+        bench.progress.set_description(section)
+        fits[section] = fit(misses, len(priors), config.rounds)
+        noise = noise.changed(values_at(priors, fits[section].z))
+    bench.progress.set_description("ensemble")
+    reached = bench.figures([noise], methods=True)[0]
+    return Fitted(calibration, fits, reached, _draw(bench, calibration, noise, fits, config))
+
+
+def _misses(
+    bench: _Bench, noise: PartNoise, priors: tuple[Prior, ...], targets: tuple[Target, ...], points: Sequence[Array]
+) -> list[Array]:
+    """(figure − target) / sd at each of many points."""
+    methods = any(target.group != "mask" for target in targets)
+    models = [noise.changed(values_at(priors, z)) for z in points]
+    return [miss(targets, figures) for figures in bench.figures(models, methods=methods)]
+
+
+def miss(targets: Sequence[Target], figures: Figures) -> Array:
+    """(figure − target) / sd of each target, (T,), held to ± UNREACHED; −UNREACHED for a figure that does not exist."""
+    rows = [
+        -UNREACHED if (value := figures[target.group, target.figure]) is None else (value - target.value) / target.sd
+        for target in targets
+    ]
+    held: Array = np.clip(rows, -UNREACHED, UNREACHED)
+    return held
+
+
+def _draw(
+    bench: _Bench, calibration: Calibration, noise: PartNoise, fits: dict[str, Fit], config: Calibrate
+) -> list[Member]:
+    """Parameter sets as probable as the targets leave them, each tried on the images."""
+    rng = np.random.default_rng(np.random.SeedSequence(config.seed, spawn_key=(2,)))
+    drawn = {section: fitted.draw(config.draws, rng) for section, fitted in fits.items()}
+    sets = [
+        {
+            name: value
+            for section in fits
+            for name, value in values_at(calibration.priors_of(section), drawn[section][index]).items()
+        }
+        for index in range(config.draws)
+    ]
+    tried = bench.figures([noise.changed(values) for values in sets], methods=True)
+    return [
+        Member(values, figures, bool((np.abs(miss(calibration.targets, figures)) <= ACCEPTED).all()))
+        for values, figures in zip(sets, tried, strict=True)
+    ]
