@@ -65,12 +65,12 @@ class Prior:
         return self.name.partition(".")[0]
 
     def value(self, z: float) -> float:
-        """The parameter z standard deviations above the middle."""
+        """The parameter z standard deviations above the middle, held within its range."""
         low, high = bounds(self.name)
         x = _coordinate(self.center, low, high) + z * self.spread
         if low < 0.0:
             return math.tanh(x)
-        return 1.0 / (1.0 + math.exp(-x)) if high <= 1.0 else math.exp(x)
+        return min(high, 1.0 / (1.0 + math.exp(-x)) if high <= 1.0 else math.exp(x))
 
 
 @dataclass(frozen=True, slots=True)

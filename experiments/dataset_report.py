@@ -3,8 +3,8 @@
 import json
 from collections.abc import Sequence
 
+from experiments.calibration import paper_figures
 from experiments.dataset_metrics import Figures
-from experiments.dataset_paper import MASK_TABLE, METHOD_TABLE
 from experiments.dataset_score import Scored
 from experiments.thresholds import load_thresholds
 from maskval import Measured
@@ -22,8 +22,8 @@ def format_tables(sets: Sequence[Scored]) -> str:
         f"{'object':10} {'images':>7} " + " ".join(f"{name:>29}" for name in _MASK_NAMES.values()),
     ]
     for one in sets:
-        paper = MASK_TABLE.get(one.object, {})
-        cells = (_cell(one.mask[name], paper.get(name), 100.0) for name in _MASK_NAMES)
+        paper = paper_figures(one.object)
+        cells = (_cell(one.mask[name], paper.get(("mask", name)), 100.0) for name in _MASK_NAMES)
         lines.append(f"{one.object:10} {one.images:7} " + " ".join(cells))
     lines += [
         "",
@@ -31,10 +31,15 @@ def format_tables(sets: Sequence[Scored]) -> str:
         f"{'object':10} {'method':13} {'Spearman':>29} {'AUC AR, %':>29} {'u_t,g at 15 mm':>29}",
     ]
     for one in sets:
+        paper = paper_figures(one.object)
         for method, row in one.methods.items():
-            theirs = METHOD_TABLE.get((one.object, method), {})
             cells = (
-                _cell(row[name], theirs.get(name), 100.0 if name == "auc_ar" else 1.0, 1 if name == "auc_ar" else 3)
+                _cell(
+                    row[name],
+                    paper.get((method, name)),
+                    100.0 if name == "auc_ar" else 1.0,
+                    1 if name == "auc_ar" else 3,
+                )
                 for name in row
             )
             lines.append(f"{one.object:10} {method:13} " + " ".join(cells))
