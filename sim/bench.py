@@ -3,8 +3,6 @@
 from dataclasses import dataclass
 from functools import lru_cache
 
-import numpy as np
-
 from cell.layout import Layout
 from maskval import Pose
 from sim.camera import Camera
@@ -33,8 +31,7 @@ def build_bench(part: str, parts: int, conditions: Conditions, maker_meshes: boo
         maker_meshes: whether the arm is drawn with its maker's meshes.
     """
     layout = Layout()
-    X_FC_true = layout.X_FC @ Pose.from_translation(np.array(conditions.hand_eye_error_mm) / 1000.0)
-    world = World(layout, load_part(part), parts, X_FC_true, maker_meshes)
+    world = World(layout, load_part(part), parts, conditions, maker_meshes)
     return Bench(world, Camera(world.model, layout.camera.height, layout.camera.width))
 
 

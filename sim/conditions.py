@@ -1,9 +1,28 @@
-"""What disturbs an experiment: named knobs, none of them set by default. No engine needed to set them."""
+"""What disturbs an experiment: named knobs, none of them set by default. No engine is needed to set them."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
+import numpy as np
+
+from maskval import Camera, Pose
 from sim.errors import ConditionsError
+
+Three = tuple[float, float, float]
+
+_NONE = (0.0, 0.0, 0.0)
+# Least and most of every knob. They are wide: what lies beyond is a slip of the keyboard, or breaks the contact model.
+RANGES = {
+    "light": (0.0, 4.0),
+    "reflections": (0.0, 1.0),
+    "hand_eye_error_mm": (-100.0, 100.0),
+    "hand_eye_error_deg": (-20.0, 20.0),
+    "focal_error_percent": (-20.0, 20.0),
+    "principal_point_error_px": (-100.0, 100.0),
+    "friction": (0.05, 3.0),
+    "mass": (0.1, 10.0),
+    "latency_s": (0.0, 10.0),
+}
 
 
 @dataclass(frozen=True)
@@ -14,13 +33,46 @@ class Conditions:
         ConditionsError: a value out of its range; the message names the option as the command line spells it.
     """
 
-    hand_eye_error_mm: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    light: float = 1.0
+    """Scale of all lights, 0 to 4. Changes pictures only: the simulated networks read none."""
+    reflections: float = 0.0
+    """How much the belt mirrors and the parts glare, 0 to 1. Changes pictures only."""
+    hand_eye_error_mm: Three = _NONE
     """Shift of the true camera from where the robot believes it, along the camera's x, y and z."""
+    hand_eye_error_deg: Three = _NONE
+    """Turn of the true camera from how the robot believes it: rotation vector in the camera's x, y and z."""
+    focal_error_percent: float = 0.0
+    """By how much the true focal length exceeds the one that controller and networks believe in."""
+    principal_point_error_px: tuple[float, float] = (0.0, 0.0)
+    """Shift of the true principal point from the believed one, in pixels along u and v."""
+    friction: float = 1.0
+    """Scale of the friction of everything, 0.05 to 3."""
+    mass: float = 1.0
+    """Scale of the parts' masses, 0.1 to 10."""
+    latency_s: float = 0.0
+    """Seconds more between a picture and what is known of it, 0 to 10."""
 
     def __post_init__(self) -> None:
-        _finite("hand_eye_error_mm", self.hand_eye_error_mm)
+        for name, (least, most) in RANGES.items():
+            value = getattr(self, name)
+            if not all(least <= number <= most for number in np.atleast_1d(value)):
+                raise ConditionsError(
+                    f"expected --{name.replace('_', '-')} within {least:g} and {most:g}, got {_shown(value)}"
+                )
+
+    def X_FC_true(self, X_FC: Pose) -> Pose:
+        """Where the camera really is, given where the controller believes it."""
+        turn = tuple(map(math.radians, self.hand_eye_error_deg))
+        return X_FC @ Pose.from_rotvec(turn, np.array(self.hand_eye_error_mm) / 1000.0)
+
+    def camera_true(self, camera: Camera) -> Camera:
+        """The camera that takes the pictures, given the one that the controller believes in."""
+        scale, (du, dv) = 1.0 + self.focal_error_percent / 100.0, self.principal_point_error_px
+        return replace(camera, fx=camera.fx * scale, fy=camera.fy * scale, cx=camera.cx + du, cy=camera.cy + dv)
 
 
-def _finite(name: str, values: tuple[float, ...]) -> None:
-    if not all(map(math.isfinite, values)):
-        raise ConditionsError(f"expected --{name.replace('_', '-')} of finite numbers, got {values}")
+UNDISTURBED = Conditions()
+
+
+def _shown(value: float | tuple[float, ...]) -> str:
+    return " ".join(f"{number:g}" for number in np.atleast_1d(value))

@@ -41,7 +41,7 @@ def make_estimators(
         ValueError: another kind.
     """
     if kind == "oracle":
-        exact = OraclePoses(booth, noise)
+        exact = OraclePoses(booth, part, noise)
         return OracleMasks(booth, noise), (exact, exact)
     if kind == "noisy":
         first, second = (NoisyPoses(booth, part, noise, streams, network) for network in range(NETWORKS))
@@ -66,8 +66,8 @@ class OracleMasks:
 class OraclePoses:
     """Implements `cell.interfaces.PoseEstimator`: the true pose of the part that a detection shows."""
 
-    def __init__(self, booth: TruthBooth, noise: PartNoise) -> None:
-        self._booth = booth
+    def __init__(self, booth: TruthBooth, part: Part, noise: PartNoise) -> None:
+        self._booth, self._center_O = booth, middle(part.mesh)
         self.inference_time = noise.timing.pose_s
         self.images = _NO_IMAGES
 
@@ -78,7 +78,8 @@ class OraclePoses:
             LookupError: a detection shows no part; exact masks never do that.
         """
         truth = self._booth.of(frame)
-        return [truth.X_CO_true[_shown(truth, detections, index)] for index in range(len(detections))]
+        parts = [_shown(truth, detections, index) for index in range(len(detections))]
+        return [truth.X_CO_seen(part, self._center_O, frame.camera) for part in parts]
 
 
 class NoisyMasks:
@@ -106,7 +107,7 @@ class NoisyMasks:
         vector = self._latents.of_part("mask", MaskLatents.COUNT, part, X_CO, self._center_O)
         visible = truth.mask(part)
         neighbors = (truth.part_numbers >= 0) & ~visible
-        visibility = truth.visibility(part, self._mesh, frame.camera)
+        visibility = truth.visibility(part, self._mesh)
         return noisy_detection(visible, neighbors, visibility, MaskLatents.from_vector(difficulty, vector), self._noise)
 
 
@@ -135,9 +136,10 @@ class NoisyPoses:
         X_CO = truth.X_CO_true[part]
         difficulty = _difficulty(self._latents, part, X_CO, self._center_O)
         vector = self._latents.of_part("pose", PoseLatents.COUNT, part, X_CO, self._center_O)
-        visibility = truth.visibility(part, self._mesh, frame.camera)
+        visibility = truth.visibility(part, self._mesh)
         latents_of_view = PoseLatents.from_vector(difficulty, vector)
-        return noisy_pose(X_CO, self._center_O, visibility, latents_of_view, self._noise, network=self._network)
+        X_CO_seen = truth.X_CO_seen(part, self._center_O, frame.camera)
+        return noisy_pose(X_CO_seen, self._center_O, visibility, latents_of_view, self._noise, network=self._network)
 
 
 class ErrorPoses:

@@ -11,7 +11,7 @@ from itertools import pairwise
 import mujoco
 import numpy as np
 
-from cell.layout import Gripper, Layout
+from cell.layout import Gripper
 from cell.ur10 import JOINT_LIMIT, TORQUE_LIMITS
 from maskval import Camera, Pose
 from sim.maker_meshes import MakerMesh, maker_meshes
@@ -64,7 +64,7 @@ GRIPPER_RGBA = (0.16, 0.17, 0.19, 1.0)
 PAD_RGBA = (0.05, 0.05, 0.05, 1.0)
 
 
-def add_robot(spec: mujoco.MjSpec, layout: Layout, X_FC_true: Pose, use_meshes: bool) -> None:
+def add_robot(spec: mujoco.MjSpec, gripper: Gripper, camera_true: Camera, X_FC_true: Pose, use_meshes: bool) -> None:
     """Adds arm, gripper, wrist camera, servos and self-collision exclusions to `spec`."""
     looks = maker_meshes() if use_meshes else None
     shells = arm_shells()
@@ -94,8 +94,8 @@ def add_robot(spec: mujoco.MjSpec, layout: Layout, X_FC_true: Pose, use_meshes: 
     # The flange: ur_description's tool0, z out of the last joint.
     flange = body.add_body(name="flange", pos=(0, 0.0922, 0), quat=(np.sqrt(0.5), -np.sqrt(0.5), 0, 0), gravcomp=1.0)
     flange.add_site(name="flange", size=[0.005, 0.005, 0.005], group=4)
-    _add_gripper(spec, flange, layout.gripper)
-    _add_camera(flange, layout.camera, X_FC_true)
+    _add_gripper(spec, flange, gripper)
+    _add_camera(flange, camera_true, X_FC_true)
     _exclude_neighbours(spec)
 
 

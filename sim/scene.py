@@ -6,7 +6,8 @@ import mujoco
 import numpy as np
 
 from cell.layout import Belt, Container, Layout
-from maskval import Pose
+from sim.conditions import Conditions
+from sim.disturbances import BELT_MATERIAL, disturb
 from sim.parts import PartModel
 from sim.robot import GRIP_SOLIMP, add_robot
 
@@ -42,7 +43,7 @@ def build_scene(
     layout: Layout,
     models: Sequence[PartModel],
     slot_size: tuple[float, float],
-    X_FC_true: Pose,
+    conditions: Conditions,
     *,
     use_meshes: bool = False,
 ) -> mujoco.MjModel:
@@ -52,7 +53,7 @@ def build_scene(
         layout: the cell.
         models: a part model per part on the belt.
         slot_size: inner size of the container's slots along W's x and y, m.
-        X_FC_true: where the camera really is; the controller believes in `layout.X_FC`.
+        conditions: what differs from the layout that the controller believes in.
         use_meshes: whether to draw the arm with its maker's meshes.
     """
     spec = mujoco.MjSpec()
@@ -62,13 +63,16 @@ def build_scene(
     _add_surroundings(spec, layout)
     _add_belt(spec, layout.belt, layout.floor_z)
     _add_container(spec, layout.container, slot_size, layout.floor_z)
-    add_robot(spec, layout, X_FC_true, use_meshes)
+    camera_true, X_FC_true = conditions.camera_true(layout.camera), conditions.X_FC_true(layout.X_FC)
+    add_robot(spec, layout.gripper, camera_true, X_FC_true, use_meshes)
     for model in {model.part.name: model for model in models}.values():
         _add_part_assets(spec, model)
     for index, model in enumerate(models):
-        _add_part(spec, index, model)
+        _add_part(spec, index, model, conditions.mass)
     _add_sensors(spec, len(models))
-    return spec.compile()
+    compiled = spec.compile()
+    disturb(compiled, conditions)
+    return compiled
 
 
 def _set_options(spec: mujoco.MjSpec) -> None:
@@ -132,13 +136,15 @@ def _add_surroundings(spec: mujoco.MjSpec, layout: Layout) -> None:
 
 def _add_belt(spec: mujoco.MjSpec, belt: Belt, floor_z: float) -> None:
     body = spec.worldbody.add_body(name="belt", pos=(belt.center_x, 0.0, belt.top_z))
+    # Specular and shininess of a body without a material; its reflectance is a matter of the conditions.
+    spec.add_material(name=BELT_MATERIAL, rgba=BELT_RGBA, specular=0.5, shininess=0.5, reflectance=0.0)
     half_x, half_y, thickness = belt.width / 2, belt.length / 2, 0.03
     solid = {"type": _BOX, "friction": FURNITURE_FRICTION}
     body.add_geom(
         name="belt",
         size=[half_x, half_y, thickness / 2],
         pos=[0, 0, -thickness / 2],
-        rgba=BELT_RGBA,
+        material=BELT_MATERIAL,
         # Declared as moving so that the engine looks at it at all; sim.world sets the speed, zero during a run.
         surfacevel=[0, 1e-9, 0, 0, 0, 0],
         **solid,
@@ -201,11 +207,11 @@ def _add_part_assets(spec: mujoco.MjSpec, model: PartModel) -> None:
         convex.uservert, convex.userface = piece.vertices.ravel(), piece.faces.ravel()
 
 
-def _add_part(spec: mujoco.MjSpec, index: int, model: PartModel) -> None:
+def _add_part(spec: mujoco.MjSpec, index: int, model: PartModel, mass_scale: float) -> None:
     body = spec.worldbody.add_body(name=part_body(index), pos=(0.0, 2.0 + index, 1.0))
     body.add_freejoint(name=part_body(index))
-    body.mass, body.ipos, body.explicitinertial = model.mass, model.center_of_mass, True
-    inertia = model.inertia
+    body.mass, body.ipos, body.explicitinertial = mass_scale * model.mass, model.center_of_mass, True
+    inertia = mass_scale * model.inertia
     body.fullinertia = [*np.diag(inertia), inertia[0, 1], inertia[0, 2], inertia[1, 2]]
     mesh = mujoco.mjtGeom.mjGEOM_MESH
     body.add_geom(

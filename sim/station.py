@@ -49,7 +49,10 @@ class SimStation:
         return self._world.jaw_half_opening
 
     def take_frame(self, images: frozenset[Image]) -> Frame:
-        """See `Station`; the pose is by forward kinematics of the measured joints, not the simulator's."""
+        """See `Station`; the pose is by forward kinematics of the measured joints, not the simulator's.
+
+        With latency the picture arrives so much later than it was taken.
+        """
         layout, data = self._world.layout, self._world.data
         frame = Frame(
             index=self._frames,
@@ -64,9 +67,11 @@ class SimStation:
                 frame=frame.index,
                 part_numbers=self._camera.part_numbers(data, "wrist"),
                 X_CO_true=tuple(self._world.X_CO(part) for part in range(self._world.parts)),
+                camera=self._world.camera_true,
             )
         )
         self._frames += 1
+        self.wait(self._world.conditions.latency_s, frozenset())
         return frame
 
     def follow(self, trajectory: JointTrajectory, watch: frozenset[Touch]) -> Contact | None:

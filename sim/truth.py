@@ -18,11 +18,13 @@ class FrameTruth:
         frame: index of the frame.
         part_numbers: (H, W) int8, the part that each pixel shows, `NOTHING` where it shows none.
         X_CO_true: true pose of every part in the true camera.
+        camera: the true camera.
     """
 
     frame: int
     part_numbers: NDArray[np.int8]
     X_CO_true: tuple[Pose, ...]
+    camera: Camera
 
     def visible_parts(self) -> list[int]:
         """Parts with at least one pixel, in the order of their numbers."""
@@ -34,10 +36,33 @@ class FrameTruth:
         shown: NDArray[np.bool_] = self.part_numbers == part
         return shown
 
-    def visibility(self, part: int, mesh: Mesh, camera: Camera) -> float:
+    def visibility(self, part: int, mesh: Mesh) -> float:
         """Visible share of the part's whole silhouette, in [0, 1]: occlusion and the image's border together."""
-        whole = silhouette(mesh, self.X_CO_true[part], camera, pixel_center=PIXEL_CENTER).area_px
+        whole = silhouette(mesh, self.X_CO_true[part], self.camera, pixel_center=PIXEL_CENTER).area_px
         return min(1.0, float(self.mask(part).sum()) / whole) if whole else 0.0
+
+    def X_CO_seen(self, part: int, center_O: NDArray[np.float64], believed: Camera) -> Pose:
+        """The pose in which the part looks to a believed camera as it truly looks to the true one.
+
+        As large in focal lengths, its middle at the same pixel, and turned by as much as the ray to it is turned:
+        what a network concludes from a picture whose camera it has wrong. The true pose where it has it right.
+
+        Args:
+            part: Its number.
+            center_O: Its middle, (3,) m.
+            believed: The camera that the network believes in.
+        """
+        X_CO, true = self.X_CO_true[part], self.camera
+        if believed == true:
+            return X_CO
+        x, y, z = p_true = X_CO.apply(center_O)
+        z_seen = z * np.sqrt(believed.fx / true.fx * believed.fy / true.fy)
+        u, v = true.fx * x / z + true.cx, true.fy * y / z + true.cy
+        p_seen = np.array([(u - believed.cx) / believed.fx * z_seen, (v - believed.cy) / believed.fy * z_seen, z_seen])
+        axis = np.cross(p_true, p_seen)
+        turn = Pose.from_rotvec(axis / (np.linalg.norm(p_true) * np.linalg.norm(p_seen)))  # small: sin is the angle
+        rotation = turn.rotation @ X_CO.rotation
+        return Pose(rotation, p_seen - rotation @ center_O)
 
     def part_of(self, detection: Detection) -> int | None:
         """The part that most of the detection's pixels show; None if they show none."""

@@ -11,6 +11,7 @@ from cell.layout import Layout
 from cell.search import search_run
 from cell.ur10 import inverse_on_branch
 from maskval import Pose
+from sim.conditions import UNDISTURBED, Conditions
 from sim.errors import DivergenceError
 from sim.parts import PartModel
 from sim.robot import FINGERS, JOINTS
@@ -30,7 +31,7 @@ class World:
         layout: the cell.
         model: the kind of part.
         parts: how many of them.
-        X_FC_true: where the camera really is, if hand-eye calibration erred.
+        conditions: what disturbs the cell.
         use_meshes: whether to draw the arm with its maker's meshes.
     """
 
@@ -39,13 +40,12 @@ class World:
         layout: Layout,
         model: PartModel,
         parts: int,
-        X_FC_true: Pose | None = None,
+        conditions: Conditions = UNDISTURBED,
         use_meshes: bool = False,
     ) -> None:
-        self.layout, self.part_model, self.parts = layout, model, parts
-        self.model = build_scene(
-            layout, [model] * parts, model.part.slot_size, X_FC_true or layout.X_FC, use_meshes=use_meshes
-        )
+        self.layout, self.part_model, self.parts, self.conditions = layout, model, parts, conditions
+        self.camera_true = conditions.camera_true(layout.camera)
+        self.model = build_scene(layout, [model] * parts, model.part.slot_size, conditions, use_meshes=use_meshes)
         self.data = mujoco.MjData(self.model)
         compiled = self.model
         self._arm = np.array([compiled.joint(name).qposadr[0] for name in JOINTS])

@@ -31,7 +31,17 @@ def test_a_manifest_is_json_and_holds_the_whole_configuration(tmp_path: Path) ->
         "estimator": "noisy",
         "thresholds": "paper",
         "speed": "ur-default",
-        "conditions": {"hand_eye_error_mm": [0.0, 0.0, 0.0]},
+        "conditions": {
+            "light": 1.0,
+            "reflections": 0.0,
+            "hand_eye_error_mm": [0.0, 0.0, 0.0],
+            "hand_eye_error_deg": [0.0, 0.0, 0.0],
+            "focal_error_percent": 0.0,
+            "principal_point_error_px": [0.0, 0.0],
+            "friction": 1.0,
+            "mass": 1.0,
+            "latency_s": 0.0,
+        },
         "jobs": 0,
         "out": "somewhere/else",
     }

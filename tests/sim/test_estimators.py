@@ -49,7 +49,7 @@ def shown(booth: TruthBooth, poses: list[Pose], index: int = 0) -> Frame:
     numbers = np.full((480, 640), -1, dtype=np.int8)
     for part, X_CO in enumerate(poses):
         numbers[silhouette(PART.mesh, X_CO, CAMERA, pixel_center=0.5).mask] = part
-    booth.keep(FrameTruth(index, numbers, tuple(poses)))
+    booth.keep(FrameTruth(index, numbers, tuple(poses), CAMERA))
     return Frame(index, 0.1 * index, CAMERA, Pose.from_rotvec((math.pi, 0, 0), (0.7, 0.1, 0.5)))
 
 
@@ -144,7 +144,7 @@ def test_a_hidden_part_is_estimated_worse() -> None:
     booth = TruthBooth()
     frame = shown(booth, [posed(0, 0), posed(0.05, 0)])
     truth = booth.of(frame)
-    hidden = 1.0 - truth.visibility(0, PART.mesh, CAMERA)
+    hidden = 1.0 - truth.visibility(0, PART.mesh)
     assert hidden == pytest.approx(2 / 3, abs=0.05)
     beside = NoisyPoses(booth, PART, core, STREAMS, 0).estimate(frame, [Detection(truth.mask(0), 1.0)])[0]
     alone_frame = shown(booth, [posed(0, 0)])
@@ -226,7 +226,7 @@ def test_exact_poses_refuse_a_mask_that_shows_no_part() -> None:
     frame = shown(booth, TWO, index=7)
     corner = np.zeros((480, 640), dtype=bool)
     corner[:5, :5] = True
-    for exact in (OraclePoses(booth, NOISE), ErrorPoses(booth, PART, NOISE, STREAMS, wanted_mdd=0.01)):
+    for exact in (OraclePoses(booth, PART, NOISE), ErrorPoses(booth, PART, NOISE, STREAMS, wanted_mdd=0.01)):
         with pytest.raises(LookupError, match="detection 0 of frame 7 shows no part"):
             exact.estimate(frame, [Detection(corner, 1.0)])
 

@@ -6,7 +6,7 @@ import pytest
 
 from cell.layout import Layout
 from cell.ur10 import JOINT_LIMIT, TORQUE_LIMITS, forward
-from maskval import Pose
+from sim.conditions import Conditions
 from sim.errors import MeshesMissingError
 from sim.maker_meshes import maker_meshes
 from sim.robot import FINGERS, JOINTS
@@ -75,11 +75,12 @@ def test_missing_meshes_are_named_with_the_extra_that_has_them(monkeypatch: pyte
 
 def test_a_hand_eye_error_moves_the_true_camera_only(antenna_world: World) -> None:
     layout = Layout()
-    shift = Pose.from_translation(np.array([0.003, 0.0, 0.004]))
-    world = World(layout, antenna_world.part_model, 1, layout.X_FC @ shift)
+    error = Conditions(hand_eye_error_mm=(3.0, 0.0, 4.0), hand_eye_error_deg=(0.0, 2.0, 0.0))
+    world = World(layout, antenna_world.part_model, 1, error)
     world.data.qpos[[world.model.joint(name).qposadr[0] for name in JOINTS]] = world.q_home
     mujoco.mj_kinematics(world.model, world.data)
     mujoco.mj_camlight(world.model, world.data)
     X_WC_believed = layout.X_WB @ forward(world.q_home) @ layout.X_FC
     off = X_WC_believed.inverse() @ world.X_WC()
     assert np.linalg.norm(off.translation) == pytest.approx(0.005)  # 3-4-5
+    assert off.rotvec == pytest.approx(np.radians([0.0, 2.0, 0.0]), abs=1e-9)
