@@ -65,7 +65,7 @@ class Perception:
         """
         detections = self._detect(frame)
         poses = tuple(self._estimate(estimator, frame, detections) for estimator in self._used())
-        u = self._uncertainties(frame, detections, poses)
+        u = self.uncertainties(frame, detections, poses)
         return Observation(frame, detections, poses, u, refining, time_left)
 
     def _used(self) -> tuple[PoseEstimator, ...]:
@@ -76,12 +76,16 @@ class Perception:
             )
         return self.pose_estimators[:needed]
 
-    def estimates(
+    def uncertainties(
         self, frame: Frame, detections: Sequence[Detection], poses: tuple[tuple[Pose, ...], ...]
-    ) -> Estimates:
-        """What an uncertainty method is given of a frame."""
+    ) -> NDArray[np.float64]:
+        """The method's u of each detection, (N,) in [0, 1], read-only.
+
+        Raises:
+            EstimatorError: the method raised, took too long, or returned something else.
+        """
         height, width = frame.camera.height, frame.camera.width
-        return Estimates(
+        estimates = Estimates(
             camera=frame.camera,
             mesh=self.part.mesh,
             masks=np.array([detection.mask for detection in detections]).reshape(-1, height, width).astype(bool),
@@ -89,11 +93,6 @@ class Perception:
             scores=np.array([detection.score for detection in detections]),
             pixel_center=self.pixel_center,
         )
-
-    def _uncertainties(
-        self, frame: Frame, detections: Sequence[Detection], poses: tuple[tuple[Pose, ...], ...]
-    ) -> NDArray[np.float64]:
-        estimates = self.estimates(frame, detections, poses)
         u = self._asked(self.method, frame, lambda: np.array(self.method(estimates), dtype=np.float64))
         if u.shape != (len(detections),) or not np.all((u >= 0.0) & (u <= 1.0)):
             raise _refusal(self.method, frame, f"expected {len(detections)} uncertainties in [0, 1], got {u}")

@@ -31,3 +31,7 @@ class MeshesMissingError(SimError, RuntimeError):
 
 class ConditionsError(SimError, ValueError):
     """A disturbance out of its range."""
+
+
+class EnvOptionError(SimError, ValueError):
+    """An option of a learning environment that does not exist or is out of its range."""

@@ -1,6 +1,6 @@
 """The running physics: reset, step, read and command. Truth is read here and nowhere else."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import mujoco
 import numpy as np
@@ -60,6 +60,7 @@ class World:
         self._wrist = compiled.camera("wrist").id
         self._belt = compiled.geom("belt").id
         self.q_home = self._home()
+        self.on_step: Callable[[], None] | None = None  # called after every step, by a window that shows the world
 
     def _home(self) -> Array:
         """Joint angles of the search run's first view."""
@@ -127,6 +128,8 @@ class World:
     def step(self) -> None:
         """One period of the robot's controller."""
         mujoco.mj_step(self.model, self.data, STEPS_PER_COMMAND)
+        if self.on_step is not None:
+            self.on_step()
 
     def check(self) -> None:
         """Asks whether the physics is still finite.

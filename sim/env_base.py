@@ -1,0 +1,140 @@
+"""What the learning environments have in common: a world of their own, seeds, pictures and the truth for `info`."""
+
+from dataclasses import replace
+from typing import Any, Generic, SupportsFloat, TypeVar
+
+import gymnasium
+import numpy as np
+
+from cell.interfaces import Detection, Frame, Image, MaskEstimator, Observation
+from cell.layout import Layout
+from maskval import mdd
+from sim.bench import Bench, build_bench
+from sim.camera import Camera
+from sim.env_observation import AllMethods, DetectionEncoder, Encoded
+from sim.env_options import EnvOptions
+from sim.errors import EnvOptionError
+from sim.latents import Streams
+from sim.parts import load_part
+from sim.stage import Stage, set_stage
+from sim.truth import TruthBooth
+from sim.window import Window, has_display
+
+Action = TypeVar("Action")
+Info = dict[str, Any]
+Step = tuple[Encoded, SupportsFloat, bool, bool, Info]
+
+
+class CellEnv(gymnasium.Env[Encoded, Action], Generic[Action]):
+    """An episode is one experiment: parts on the belt, each with its slot of time.
+
+    `reset(seed=s)` begins experiment 0 of seed s, every `reset()` after it the next one: the same parts in the same
+    poses, seen with the same errors, as `graspcell compare --seed s` has. The world is built at the first reset.
+
+    Args:
+        render_mode: None, "rgb_array" (the overview camera) or "human" (a window, in real time).
+        render_size: height and width of rendered pictures, px.
+        options: see `EnvOptions`.
+    """
+
+    def __init__(self, render_mode: str | None = None, render_size: tuple[int, int] = (480, 640), **options: Any):
+        self.options = EnvOptions(**options)
+        if render_mode not in (None, "human", "rgb_array"):
+            raise EnvOptionError(f"unknown render_mode {render_mode!r}: expected None, human or rgb_array")
+        self.render_mode, self._render_size = render_mode, render_size
+        if not has_display():  # what can be asked for here
+            self.metadata = {**self.metadata, "render_modes": ["rgb_array"]}
+        load_part(self.options.part)  # an unknown one is refused here, not at the first reset
+        self._encoder = DetectionEncoder(self.options, Layout().camera)
+        self._seed: int | None = None
+        self._experiment = 0
+        self._bench: Bench | None = None
+        self._overview: Camera | None = None
+        self._window: Window | None = None
+        self._booth = TruthBooth()
+
+    def _set_stage(self, seed: int | None, options: dict[str, Any] | None) -> Stage:
+        """Seeds the episode and begins it."""
+        self._choose_experiment(seed, options or {})
+        here = self._built()
+        chosen = self.options
+        streams = Streams(self._seed or 0, self._experiment, here.world.part_model.part.name)
+        methods = chosen.uncertainty_methods
+        method = AllMethods(methods) if len(methods) > 1 else next(iter(methods.values()))
+        stage = set_stage(here, streams, self._booth, chosen.estimator, method)
+        if not chosen.camera_images:
+            return stage
+        detector = WithImages(stage.perception.detector, chosen.camera_images)
+        return replace(stage, perception=replace(stage.perception, detector=detector))
+
+    def _choose_experiment(self, seed: int | None, options: dict[str, Any]) -> None:
+        gymnasium.Env.reset(self, seed=seed)
+        if unknown := set(options) - {"experiment"}:
+            raise EnvOptionError(f"unknown reset options {', '.join(sorted(unknown))}: expected experiment")
+        if seed is not None or self._seed is None:
+            self._seed = int(self.np_random.integers(2**32)) if seed is None else seed
+            self._experiment = -1
+        self._experiment = options.get("experiment", self._experiment + 1)
+
+    def _built(self) -> Bench:
+        if self._bench is None:
+            chosen = self.options
+            self._bench = build_bench(chosen.part, chosen.n_parts, chosen.conditions, False)
+            if self.render_mode == "human":
+                self._window = Window(self._bench.world)
+                self._bench.world.on_step = self._window.show
+        return self._bench
+
+    def render(self) -> Any:
+        """The cell from beside it, (H, W, 3) uint8, for "rgb_array"; None otherwise.
+
+        Raises:
+            gymnasium.error.ResetNeeded: there is no world before the first reset.
+        """
+        if self._bench is None:
+            raise gymnasium.error.ResetNeeded("there is nothing to render before the first reset")
+        world = self._bench.world
+        if self.render_mode != "rgb_array":
+            return None
+        if self._overview is None:
+            self._overview = Camera(world.model, *self._render_size)
+            self._overview.rgb(world.data, "overview")  # the first frame's shadows may differ by a grey level
+        return self._overview.rgb(world.data, "overview")
+
+    def close(self) -> None:
+        """Gives window and OpenGL contexts back; a reset builds them anew."""
+        for held in (self._window, self._overview, self._bench.camera if self._bench else None):
+            if held is not None:
+                held.close()
+        self._bench = self._overview = self._window = None
+
+    def _truth(self, observation: Observation | None) -> Info:
+        """Where the parts are, and which of them the detections show with which error; for `info` only."""
+        world = self._built().world
+        X_BW = world.layout.X_WB.inverse()
+        told: Info = {
+            "X_BO": np.array([(X_BW @ world.X_WO(part)).matrix for part in range(world.parts)]),
+            "part": [],
+            "mdd_m": [],
+        }
+        if observation is None:
+            return told
+        truth, vertices = self._booth.of(observation.frame), world.part_model.part.mesh.vertices
+        for detection, X_CO_est in zip(observation.detections, observation.poses[0], strict=True):
+            part = truth.part_of(detection)
+            told["part"].append(part)
+            told["mdd_m"].append(None if part is None else mdd(X_CO_est, truth.X_CO_true[part], vertices))
+        return told
+
+
+class WithImages:
+    """Implements `cell.interfaces.MaskEstimator`: another one, for whose frames more images are taken."""
+
+    def __init__(self, detector: MaskEstimator, images: frozenset[Image]) -> None:
+        self._detector = detector
+        self.images = detector.images | images
+        self.inference_time = detector.inference_time
+
+    def detect(self, frame: Frame) -> list[Detection]:
+        """See `MaskEstimator`."""
+        return list(self._detector.detect(frame))
