@@ -2,8 +2,10 @@
 
 import signal
 import threading
+import traceback
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from types import FrameType
 from typing import TypeVar
 
@@ -34,7 +36,13 @@ def ask(question: Callable[[], T], time_limit: float, refusal: Callable[[str], E
     except _TimeUp:
         raise refusal(f"took longer than {time_limit:g} s") from None
     except (Exception, SystemExit) as error:
-        raise refusal(f"raised {type(error).__name__}: {error}") from error
+        raise refusal(f"raised {told(error)}") from error
+
+
+def told(error: BaseException) -> str:
+    """An error in one line: what it is, and the place in which file it was raised."""
+    place = traceback.extract_tb(error.__traceback__)[-1]
+    return f"{type(error).__name__}: {error} ({Path(place.filename).name}:{place.lineno})"
 
 
 @contextmanager

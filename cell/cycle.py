@@ -1,13 +1,12 @@
 """The cycle: search, look, decide, then grasp, refine or search on, until every part has had its 20 seconds."""
 
-import math
 from collections.abc import Generator
 from dataclasses import dataclass, field
-from numbers import Integral, Real
 from typing import TypeVar
 
-from cell.asking import TIME_LIMIT, ask
+from cell.asking import TIME_LIMIT
 from cell.attempt import Attempt
+from cell.deciding import ask_policy, check_decision
 from cell.errors import EstimatorError, LayoutError, PolicyError
 from cell.interfaces import (
     Action,
@@ -109,7 +108,7 @@ class Cycle:
             observation = next(decisions)
             while True:
                 try:
-                    decision = self._asked(self._policy, observation)
+                    decision = ask_policy(self._policy, observation, self._config.time_limit)
                 except PolicyError as error:
                     decisions.throw(error)  # so that the frame is told of
                     raise
@@ -201,7 +200,7 @@ class Cycle:
             observation = self._perception.observe(frame, refining, deadline - self._station.time)
             self._enter(State.DECIDE, f"{len(observation.detections)} detections")
             decision = yield observation
-            _check(decision, observation, self._policy)
+            check_decision(decision, observation, self._policy)
         except (EstimatorError, PolicyError) as error:
             self._tell(Failed(frame, refining, observation, str(error)))
             raise
@@ -227,7 +226,7 @@ class Cycle:
                 decision_index=seen.decision_index,
                 frame=observation.frame.index,
                 detection=index,
-                u=float(observation.uncertainties[index]),
+                u=observation.u(seen.decision, index),
                 threshold=seen.decision.threshold,
                 X_BO_est=X_BO_est,
                 grasp=reach.grasp,
@@ -243,44 +242,11 @@ class Cycle:
             self._container_slot += 1  # something was put there, well or badly
         return outcome
 
-    def _asked(self, policy: Policy, observation: Observation) -> Decision:
-        """The policy's decision; raises PolicyError if the policy fails."""
-        return ask(
-            lambda: policy.decide(observation),
-            self._config.time_limit,
-            lambda what: PolicyError(f"{_who(policy, observation)}: {what}"),
-        )
-
     def _enter(self, state: State, reason: str) -> None:
         self._tell(Transition(self._station.time, self._state, state, reason))
         self._state = state
 
 
-def _check(decision: object, observation: Observation, policy: Policy | None) -> None:
-    """Raises PolicyError unless it is a decision, and about a detection that exists."""
-    who = _who(policy, observation)
-    if not isinstance(decision, Decision):
-        raise PolicyError(f"{who}: expected a cell.interfaces.Decision, got {type(decision).__name__}")
-    if not isinstance(decision.action, Action):
-        raise PolicyError(f"{who}: expected a cell.interfaces.Action, got {decision.action!r}")
-    count, chosen = len(observation.detections), decision.detection
-    none_is_due = chosen is None and decision.action is Action.SEARCH
-    if not (none_is_due or (isinstance(chosen, Integral) and 0 <= chosen < count)):
-        raise PolicyError(f"{who}: expected a detection in 0..{count - 1} to {decision.action}, got {chosen}")
-    bound = decision.threshold
-    if not (bound is None or (isinstance(bound, Real) and math.isfinite(bound))):
-        raise PolicyError(f"{who}: expected a threshold that is a number or None, got {bound!r}")
-    for name in ("X_BO_est", "X_BC"):
-        pose = getattr(decision, name)
-        if not (pose is None or isinstance(pose, Pose)):
-            raise PolicyError(f"{who}: expected {name} to be a maskval.Pose or None, got {type(pose).__name__}")
-
-
-def _who(policy: Policy | None, observation: Observation) -> str:
-    name = "the decision" if policy is None else type(policy).__name__
-    return f"{name} on frame {observation.frame.index}"
-
-
 def _detection(decision: Decision) -> int:
-    assert decision.detection is not None  # `_check` has seen to it
+    assert decision.detection is not None  # `check_decision` has seen to it
     return decision.detection

@@ -109,6 +109,7 @@ class Decision:
         threshold: the bound that the detection's u met or, to search on, that it missed; None if there was none.
         X_BO_est: to grasp, the pose to act upon; None for the detection's own.
         X_BC: to refine, the view to take; None for the one straight above the part.
+        u: the uncertainty that was decided upon, in [0, 1]; None for the detection's own.
     """
 
     action: Action
@@ -116,6 +117,7 @@ class Decision:
     threshold: float | None = None
     X_BO_est: Pose | None = None
     X_BC: Pose | None = None
+    u: float | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -137,6 +139,10 @@ class Observation:
     uncertainties: NDArray[np.float64]
     refining: bool
     time_left: float
+
+    def u(self, decision: Decision, detection: int) -> float:
+        """The uncertainty that a decision about a detection was made upon."""
+        return float(self.uncertainties[detection] if decision.u is None else decision.u)
 
     def X_BO_est(self, detection: int) -> Pose:
         """The estimated pose of a detection in the robot's base."""

@@ -71,7 +71,7 @@ class AttemptRecord:
         decision_index: the decision that caused it.
         frame: index of the frame that it was decided upon.
         detection: index in that frame.
-        u: the detection's uncertainty.
+        u: the uncertainty that was decided upon.
         threshold: the bound that u met, if there was one.
         X_BO_est: the pose acted upon: the part in the robot's base as the detection, or the policy, has it.
         grasp: name of the grasp, if one was found.

@@ -4,17 +4,14 @@
 
 import os
 from pathlib import Path
-from typing import Literal, get_args
 
 from experiments.errors import UsageError
 
-Kind = Literal["noisy", "oracle"]
-ESTIMATORS = get_args(Kind)
 FAILED = 3  # exit code of a command whose experiments, or some of them, failed
 _MOST = 2**31 - 1  # what the logs' columns hold
 
 
-def check_cell(parts: int, seed: int, estimator: str, speed: str) -> None:
+def check_cell(parts: int, seed: int, speed: str) -> None:
     """Raises UsageError unless the cell can be run like this."""
     from cell.layout import Container
     from cell.speed import PRESETS
@@ -24,7 +21,6 @@ def check_cell(parts: int, seed: int, estimator: str, speed: str) -> None:
     if not 1 <= parts <= slots:
         raise UsageError(f"expected --parts in 1..{slots}, the container's slots, got {parts}")
     at_least("--seed", seed, 0)
-    one_of("--estimator", estimator, ESTIMATORS)
     one_of("--speed", speed, tuple(PRESETS))
 
 

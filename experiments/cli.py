@@ -15,6 +15,7 @@ from experiments.calibrate_config import Calibrate
 from experiments.config import Compare, Picture, Run, Tolerance
 from experiments.dataset_config import Dataset
 from experiments.errors import UsageError
+from experiments.parties import Parties
 from experiments.uq import Uq, uq
 from sim.conditions import Conditions
 from sim.errors import GraphicsError
@@ -24,6 +25,7 @@ _GL_PACKAGES = "libegl1 libgl1 libosmesa6"  # sim.camera names them too, but can
 
 _ASIDES = ("For full", "Argument help", "Perhaps you meant")  # of tyro: they fill a screen, not a line
 _PLACE = re.compile(r"^Error parsing \S+: ")  # what tyro puts before the message of a record that refuses a value
+_GROUPS: dict[str, type[Any]] = {"conditions": Conditions, "parties": Parties}  # by the field that holds them
 _DESCRIPTION = (
     "Closed-loop grasp experiments in simulation that tell which 6D-pose uncertainty can be trusted. "
     "`graspcell COMMAND --help` explains a command."
@@ -156,10 +158,10 @@ def _one_line(told: str, arguments: Sequence[str]) -> str:
 
 
 def options(config: type[Any]) -> list[str]:
-    """The options of a command; the conditions' stand among the others."""
+    """The options of a command; those of its groups stand among the others."""
     names: list[str] = []
     for field in dataclasses.fields(config):
-        group = dataclasses.fields(Conditions) if field.name == "conditions" else (field,)
+        group = dataclasses.fields(_GROUPS[field.name]) if field.name in _GROUPS else (field,)
         names += (f"--{member.name.replace('_', '-')}" for member in group)
     return names
 

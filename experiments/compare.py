@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import closing
+from dataclasses import replace
 
 from tqdm import tqdm
 
@@ -44,7 +45,7 @@ def compare(config: Compare) -> int:
         try:
             for result in stream:
                 logs.write(result.tables)
-                results.append(Result(result.spec, result.count, result.failure, {}))
+                results.append(replace(result, tables={}))
                 progress.set_postfix_str(f"{result.spec.part} × {result.spec.method}", refresh=False)
                 progress.update()
         except KeyboardInterrupt:
@@ -60,6 +61,8 @@ def compare(config: Compare) -> int:
         folder / "manifest.json",
         {**manifest(config), "seed": config.seed, "finished": len(results), "planned": len(specs)},
     )
+    if config.parties.policy is not None:
+        print(f"policy: {config.parties.policy}")
     print(format_table(cells))
     for result in results:
         if result.failure is not None:

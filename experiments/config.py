@@ -3,19 +3,22 @@
 # ruff: noqa: PLC0415  # the engine is loaded when a job begins: --help does not wait for it, nor need OpenGL
 
 from dataclasses import dataclass, field
+from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import tyro
 
-from experiments.checks import Kind, at_least, check_cell, check_part_and_method, one_of, worker_count
+from experiments.checks import at_least, check_cell, check_part_and_method, one_of, worker_count
 from experiments.errors import UsageError
+from experiments.parties import Parties
 from sim.conditions import Conditions
 
 if TYPE_CHECKING:
     from experiments.experiment import ExperimentSpec
 
 Disturbances = tyro.conf.OmitArgPrefixes[Conditions]  # --light, not --conditions.light
+Players = tyro.conf.OmitArgPrefixes[Parties]
 
 
 @dataclass(frozen=True)
@@ -35,8 +38,8 @@ class Compare:
     """Parts on the belt per experiment, each with 20 s of time; 1 to 8."""
     seed: int = 0
     """Root of all random numbers."""
-    estimator: Kind = "noisy"
-    """noisy: masks and poses with realistic errors; oracle: exact ones, the ceiling."""
+    parties: Players = field(default_factory=Parties)
+    """Who sees and who decides."""
     thresholds: str = "paper"
     """A preset (paper), or a TOML file of the same form."""
     speed: str = "ur-default"
@@ -57,7 +60,7 @@ class Compare:
         from experiments.experiment import ExperimentSpec
         from experiments.thresholds import load_thresholds
 
-        check_cell(self.parts, self.seed, self.estimator, self.speed)
+        check_cell(self.parts, self.seed, self.speed)
         at_least("--experiments", self.experiments, 1)
         at_least("--jobs", self.jobs, 0)
         for name, chosen in (("--objects", self.objects), ("--methods", self.methods)):
@@ -71,17 +74,22 @@ class Compare:
         }
         if len(names) < len(self.objects):
             raise UsageError(f"--objects has files of the same part name: {' '.join(self.objects)}")
+        for part, method in product(self.objects, self.methods):
+            self.parties.check(part, method, thresholds)
         return [
             ExperimentSpec(
                 part=part,
                 method=method,
-                estimator=self.estimator,
+                estimator=self.parties.estimator,
                 thresholds=thresholds,
                 speed=self.speed,
                 parts=self.parts,
                 seed=self.seed,
                 experiment=experiment,
                 conditions=self.conditions,
+                policy=self.parties.policy,
+                recorded=self.parties.recorded,
+                time_limit=self.parties.time_limit,
             )
             for part in self.objects
             for method in self.methods
@@ -111,8 +119,8 @@ class Run:
     """Parts on the belt, each with 20 s of time; 1 to 8."""
     seed: int = 0
     """Root of all random numbers."""
-    estimator: Kind = "noisy"
-    """noisy: masks and poses with realistic errors; oracle: exact ones."""
+    parties: Players = field(default_factory=Parties)
+    """Who sees and who decides."""
     thresholds: str = "paper"
     """A preset (paper), or a TOML file of the same form."""
     speed: str = "ur-default"
@@ -131,19 +139,24 @@ class Run:
         from experiments.experiment import ExperimentSpec
         from experiments.thresholds import load_thresholds
 
-        check_cell(self.parts, self.seed, self.estimator, self.speed)
+        check_cell(self.parts, self.seed, self.speed)
         at_least("--experiment", self.experiment, 0)
         check_part_and_method(self.object, self.method, self.thresholds)
+        thresholds = load_thresholds(self.thresholds)
+        self.parties.check(self.object, self.method, thresholds)
         return ExperimentSpec(
             part=self.object,
             method=self.method,
-            estimator=self.estimator,
-            thresholds=load_thresholds(self.thresholds),
+            estimator=self.parties.estimator,
+            thresholds=thresholds,
             speed=self.speed,
             parts=self.parts,
             seed=self.seed,
             experiment=self.experiment,
             conditions=self.conditions,
+            policy=self.parties.policy,
+            recorded=self.parties.recorded,
+            time_limit=self.parties.time_limit,
         )
 
 
@@ -178,7 +191,7 @@ class Picture:
         from experiments.experiment import ExperimentSpec
         from experiments.thresholds import load_thresholds
 
-        check_cell(1, self.seed, "oracle", "ur-default")
+        check_cell(1, self.seed, "ur-default")
         at_least("--after", self.after, 0)
         one_of("--state", self.state, tuple(state.value for state in State))
         one_of("--camera", self.camera, ("overview", "wrist"))
@@ -235,7 +248,7 @@ class Tolerance:
         from experiments.experiment import ExperimentSpec
         from experiments.thresholds import load_thresholds
 
-        check_cell(1, self.seed, "oracle", self.speed)
+        check_cell(1, self.seed, self.speed)
         at_least("--trials", self.trials, 1)
         at_least("--jobs", self.jobs, 0)
         for mdd_mm in self.mdd_mm:

@@ -1,14 +1,20 @@
 """One experiment: a belt of parts, one method, one result. No files, no printing: it runs in any process."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from pathlib import Path
 
+from cell.asking import TIME_LIMIT
 from cell.cycle import Cycle, CycleConfig
 from cell.errors import CellError
 from cell.interfaces import Listener
 from cell.records import Count
+from cell.setup import EstimatorSetup
 from cell.speed import PRESETS
+from experiments.errors import UsageError
+from experiments.estimators import choose_estimators
 from experiments.methods import make_method
+from experiments.policy import make_policy, policy_name
 from experiments.recorder import Recorder, Row
 from experiments.thresholds import Thresholds
 from maskval import MaskvalError
@@ -17,6 +23,7 @@ from sim.conditions import Conditions
 from sim.errors import SimError
 from sim.estimators import Kind
 from sim.latents import Streams
+from sim.part_numbers import PIXEL_CENTER
 from sim.parts import PartModel, load_part
 from sim.stage import Estimators, set_stage
 from sim.truth import TruthBooth
@@ -29,7 +36,7 @@ class ExperimentSpec:
     Attributes:
         part: name or TOML file of the part.
         method: name of the method.
-        estimator: "noisy" or "oracle".
+        estimator: noisy, oracle, replay, or `package.module:Class`.
         thresholds: of all methods.
         speed: name of the speed preset.
         parts: how many lie on the belt.
@@ -37,11 +44,14 @@ class ExperimentSpec:
         experiment: number of the experiment.
         conditions: what disturbs the cell.
         maker_meshes: whether the arm is drawn with its maker's meshes; nothing else depends on it.
+        policy: a name of `policies.POLICIES`, `package.module:Class`, or None for the method's own.
+        recorded: the folder that is replayed.
+        time_limit: s of the wall clock that an estimator, the method or the policy has per call.
     """
 
     part: str
     method: str
-    estimator: Kind
+    estimator: str
     thresholds: Thresholds
     speed: str
     parts: int
@@ -49,6 +59,9 @@ class ExperimentSpec:
     experiment: int
     conditions: Conditions = field(default_factory=Conditions)
     maker_meshes: bool = False
+    policy: str | None = None
+    recorded: Path | None = None
+    time_limit: float = TIME_LIMIT
 
     @property
     def cell(self) -> tuple[str, int, Conditions, bool]:
@@ -86,14 +99,16 @@ def run_experiment(spec: ExperimentSpec, tell: Callable[[object, TruthBooth], No
         if tell is not None:
             tell(record, booth)
 
+    method = make_method(spec.method, model.part.name, spec.thresholds)
+    policy = policy_name(spec.policy, method)
     # What fails here fails for every experiment, and is no result of this one.
     bench(*spec.cell)
     count, failure = None, None
     try:
         count = make_cycle(spec, model, booth, listen).run()
-    except (CellError, SimError, MaskvalError) as error:
+    except (CellError, SimError, MaskvalError, UsageError) as error:
         failure = f"{type(error).__name__}: {error}"
-    recorder.finish(spec.seed, spec.estimator, count, failure)
+    recorder.finish(spec.seed, spec.estimator, policy, count, failure)
     return Result(spec, count, failure, recorder.tables)
 
 
@@ -102,19 +117,24 @@ def make_cycle(
     model: PartModel,
     booth: TruthBooth,
     listen: Listener,
-    estimators: Estimators | None = None,
+    estimators: Kind | Estimators | None = None,
 ) -> Cycle:
     """The cell, set up and reset, with everything that one experiment needs; `estimators` replace the spec's."""
     method = make_method(spec.method, model.part.name, spec.thresholds)
     here = bench(*spec.cell)
     streams = Streams(spec.seed, spec.experiment, model.part.name)
-    stage = set_stage(here, streams, booth, estimators or spec.estimator, method.uncertainty)
+    layout, part = here.world.layout, model.part
+    policy = make_policy(spec.policy, method, part, layout, spec.thresholds.refine)
+    if estimators is None:
+        setup = EstimatorSetup(part, layout.camera, PIXEL_CENTER, spec.seed, spec.experiment)
+        estimators = choose_estimators(spec.estimator, setup, spec.recorded, spec.method, spec.time_limit)
+    stage = set_stage(here, streams, booth, estimators, method.uncertainty)
     return Cycle(
         station=stage.station,
         referee=stage.referee,
-        perception=stage.perception,
-        policy=method.policy,
-        layout=here.world.layout,
-        config=CycleConfig(parts=spec.parts, speed=PRESETS[spec.speed]),
+        perception=replace(stage.perception, time_limit=spec.time_limit),
+        policy=policy,
+        layout=layout,
+        config=CycleConfig(parts=spec.parts, speed=PRESETS[spec.speed], time_limit=spec.time_limit),
         listener=listen,
     )

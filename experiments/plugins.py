@@ -3,11 +3,11 @@
 import importlib
 import os
 import sys
-import traceback
 from collections.abc import Callable, Mapping, Sequence
 from types import ModuleType
 from typing import Any, TypeVar
 
+from cell.asking import TIME_LIMIT, ask, told
 from experiments.errors import UsageError
 
 T = TypeVar("T")
@@ -51,7 +51,13 @@ def load_object(reference: str) -> Callable[..., Any]:
     return found  # type: ignore[no-any-return]
 
 
-def make_object(reference: str, factory: Callable[..., Any], members: Sequence[str], *arguments: object) -> Any:
+def make_object(
+    reference: str,
+    factory: Callable[..., Any],
+    members: Sequence[str],
+    *arguments: object,
+    time_limit: float = TIME_LIMIT,
+) -> Any:
     """What a factory makes of the arguments, if it has the members that a protocol asks for.
 
     Args:
@@ -59,20 +65,28 @@ def make_object(reference: str, factory: Callable[..., Any], members: Sequence[s
         factory: a class or function, see `load_object`.
         members: names of the attributes and methods that the object must have.
         arguments: what the factory is called with.
+        time_limit: s of the wall clock that the making may take.
 
     Raises:
-        UsageError: the factory raises, or members are missing.
+        UsageError: the factory raises or takes too long, or members are missing.
     """
-    try:
-        made = factory(*arguments)
-    except Exception as error:
-        given = ", ".join(type(argument).__name__ for argument in arguments)
-        raise UsageError(f"{reference}: called with ({given}), it raised {_told(error)}") from error
-    missing = [member for member in members if not hasattr(made, member)]
-    if missing:
-        wanted, lacks = ", ".join(members), ", ".join(missing)
-        raise UsageError(f"{reference}: expected an object with {wanted}; {type(made).__name__} lacks {lacks}")
+    given = ", ".join(type(argument).__name__ for argument in arguments)
+    made = ask(
+        lambda: factory(*arguments),
+        time_limit,
+        lambda what: UsageError(f"{reference}: called with ({given}), it {what}"),
+    )
+    check_members(reference, made, members)
     return made
+
+
+def check_members(what: str, made: object, members: Sequence[str]) -> None:
+    """Raises UsageError unless an object has all members that a protocol asks for; `what` it is, is for the message."""
+    lacks = [member for member in members if not hasattr(made, member)]
+    if lacks:
+        raise UsageError(
+            f"{what}: expected an object with {', '.join(members)}; {type(made).__name__} lacks {', '.join(lacks)}"
+        )
 
 
 def _import(name: str, reference: str) -> ModuleType:
@@ -85,14 +99,8 @@ def _import(name: str, reference: str) -> ModuleType:
     except ModuleNotFoundError as error:
         if error.name is not None and f"{name}.".startswith(f"{error.name}."):
             raise UsageError(f"{reference}: no module {error.name}, neither installed nor in {here}") from error
-        raise UsageError(f"{reference}: importing {name} raised {_told(error)}") from error
+        raise UsageError(f"{reference}: importing {name} raised {told(error)}") from error
+    except SyntaxError as error:  # names its place itself
+        raise UsageError(f"{reference}: importing {name} raised SyntaxError: {error}") from error
     except (Exception, SystemExit) as error:
-        raise UsageError(f"{reference}: importing {name} raised {_told(error)}") from error
-
-
-def _told(error: BaseException) -> str:
-    """The error in one line, with the place where it was raised."""
-    if isinstance(error, SyntaxError):
-        return f"{type(error).__name__}: {error}"  # names its place itself
-    place = traceback.extract_tb(error.__traceback__)[-1]
-    return f"{type(error).__name__}: {error} ({place.filename}, line {place.lineno})"
+        raise UsageError(f"{reference}: importing {name} raised {told(error)}") from error

@@ -56,7 +56,7 @@ def test_what_hangs_is_ended_after_the_limit_and_no_alarm_is_left(hangs: Callabl
     ],
 )
 def test_what_is_raised_is_refused_with_its_kind_and_cause(question: Callable[[], Any], words: str) -> None:
-    with pytest.raises(ValueError, match=f"^{words}$") as refused:
+    with pytest.raises(ValueError, match=rf"^{words} \(test_asking\.py:\d+\)$") as refused:
         ask(question, 5.0, refusal)
     assert refused.value.__cause__ is not None
 
