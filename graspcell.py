@@ -1,4 +1,4 @@
-"""Registers the cell's Gymnasium environment: `gymnasium.make("graspcell:GraspCell-v0")`.
+"""Registers the cell's Gymnasium environments: `gymnasium.make("graspcell:GraspCell-v0")`.
 
 Gymnasium finds no installed environments by itself since its version 1.0; this module's name before the colon, or
 `import graspcell`, is how it gets to know them.
@@ -7,3 +7,4 @@ Gymnasium finds no installed environments by itself since its version 1.0; this 
 import gymnasium
 
 gymnasium.register("GraspCell-v0", entry_point="sim.env:GraspCellEnv")
+gymnasium.register("GraspCellMotion-v0", entry_point="sim.env_motion:GraspCellMotionEnv")

@@ -38,18 +38,32 @@ class Perception:
     pixel_center: float
     time_limit: float = TIME_LIMIT
 
+    @property
+    def images(self) -> frozenset[Image]:
+        """The images that the networks in use read.
+
+        Raises:
+            EstimatorError: a network or the method says of itself what cannot be.
+        """
+        return frozenset[Image]().union(*(network.images for network in self._networks()))
+
+    @property
+    def inference_time(self) -> float:
+        """What a picture costs, s of the cell's clock: the inference of all networks in use.
+
+        Raises:
+            EstimatorError: a network or the method says of itself what cannot be.
+        """
+        return sum(network.inference_time for network in self._networks())
+
     def take_frame(self, station: Station) -> Frame:
         """A picture with what the networks in use read; the inference of all of them is charged to the clock.
 
         Raises:
-            EstimatorError: an estimator or the method says of itself what cannot be.
+            EstimatorError: a network or the method says of itself what cannot be.
         """
-        used = self._used()
-        _check_network(self.detector)
-        for estimator in used:
-            _check_network(estimator)
-        frame = station.take_frame(self.detector.images.union(*(estimator.images for estimator in used)))
-        station.wait(self.detector.inference_time + sum(estimator.inference_time for estimator in used), frozenset())
+        frame = station.take_frame(self.images)
+        station.wait(self.inference_time, frozenset())
         return frame
 
     def observe(self, frame: Frame, refining: bool, time_left: float) -> Observation:
@@ -67,6 +81,12 @@ class Perception:
         poses = tuple(self._estimate(estimator, frame, detections) for estimator in self._used())
         u = self.uncertainties(frame, detections, poses)
         return Observation(frame, detections, poses, u, refining, time_left)
+
+    def _networks(self) -> tuple[MaskEstimator | PoseEstimator, ...]:
+        networks: tuple[MaskEstimator | PoseEstimator, ...] = (self.detector, *self._used())
+        for network in networks:
+            _check_network(network)
+        return networks
 
     def _used(self) -> tuple[PoseEstimator, ...]:
         needed, available = self.method.estimators, len(self.pose_estimators)

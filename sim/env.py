@@ -13,7 +13,7 @@ from cell.interfaces import Action, Decision, Observation
 from cell.perception import Perception
 from cell.records import AttemptRecord, Count, Slot
 from cell.speed import PRESETS
-from sim.env_base import CellEnv, Info, Step
+from sim.env_base import CellEnv, Info, Step, event
 from sim.env_observation import Encoded, box
 from sim.errors import DivergenceError
 
@@ -96,8 +96,9 @@ class GraspCellEnv(CellEnv[np.int64]):
         except DivergenceError as failure:
             self._seen, outcome = None, {"failure": str(failure)}
         self._time = self._built().world.time
-        events = list(map(_event, filter(_is_told, self._records)))
-        reward = self._reward(self._time - before, valid)
+        events = [event(record.outcome, _slot(record), record.end) for record in self._records if _is_told(record)]
+        ends = [record.outcome for record in self._records if isinstance(record, Slot)]
+        reward = self.options.rewards.of(ends, self._time - before) + (0.0 if valid else self.options.rewards.invalid)
         info = self._info(events) | {"invalid_action": not valid} | outcome
         return self._encoded(), reward, "count" in outcome, "failure" in outcome, info
 
@@ -121,16 +122,6 @@ class GraspCellEnv(CellEnv[np.int64]):
         if isinstance(record, AttemptRecord | Slot):
             self._records.append(record)
             self._slots_over += isinstance(record, Slot)
-
-    def _reward(self, seconds: float, valid: bool) -> float:
-        weights = self.options.rewards
-        ends = [record.outcome for record in self._records if isinstance(record, Slot) and record.outcome is not None]
-        return (
-            weights.second * seconds
-            + weights.true_positive * sum(outcome.is_true_positive for outcome in ends)
-            + weights.false_positive * sum(outcome.is_false_positive for outcome in ends)
-            + (0.0 if valid else weights.invalid)
-        )
 
     def _encoded(self) -> Encoded:
         found, left = self._encoder.empty(), 0.0
@@ -162,7 +153,5 @@ def _is_told(record: AttemptRecord | Slot) -> bool:
     return not (record.outcome.is_true_positive or record.outcome.is_false_positive)
 
 
-def _event(record: AttemptRecord | Slot) -> Info:
-    outcome = "time-out" if record.outcome is None else record.outcome.value
-    slot = record.index if isinstance(record, Slot) else record.slot
-    return {"outcome": outcome, "slot": slot, "time": record.end}
+def _slot(record: AttemptRecord | Slot) -> int:
+    return record.index if isinstance(record, Slot) else record.slot

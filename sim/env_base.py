@@ -6,7 +6,7 @@ from typing import Any, Generic, SupportsFloat, TypeVar
 import gymnasium
 import numpy as np
 
-from cell.interfaces import Detection, Frame, Image, MaskEstimator, Observation
+from cell.interfaces import Detection, Frame, Image, MaskEstimator, Observation, Outcome
 from cell.layout import Layout
 from maskval import mdd
 from sim.bench import Bench, build_bench
@@ -108,23 +108,25 @@ class CellEnv(gymnasium.Env[Encoded, Action], Generic[Action]):
                 held.close()
         self._bench = self._overview = self._window = None
 
-    def _truth(self, observation: Observation | None) -> Info:
-        """Where the parts are, and which of them the detections show with which error; for `info` only."""
+    def _truth(self, observation: Observation | None = None) -> Info:
+        """Where the parts are, and which of them the newest picture's detections show with which error."""
         world = self._built().world
         X_BW = world.layout.X_WB.inverse()
-        told: Info = {
-            "X_BO": np.array([(X_BW @ world.X_WO(part)).matrix for part in range(world.parts)]),
-            "part": [],
-            "mdd_m": [],
-        }
+        told: Info = {"X_BO": np.array([(X_BW @ world.X_WO(part)).matrix for part in range(world.parts)])}
         if observation is None:
             return told
         truth, vertices = self._booth.of(observation.frame), world.part_model.part.mesh.vertices
-        for detection, X_CO_est in zip(observation.detections, observation.poses[0], strict=True):
-            part = truth.part_of(detection)
-            told["part"].append(part)
-            told["mdd_m"].append(None if part is None else mdd(X_CO_est, truth.X_CO_true[part], vertices))
-        return told
+        parts = [truth.part_of(detection) for detection in observation.detections]
+        errors = [
+            None if part is None else mdd(X_CO_est, truth.X_CO_true[part], vertices)
+            for part, X_CO_est in zip(parts, observation.poses[0], strict=True)
+        ]
+        return told | {"part": parts, "mdd_m": errors}
+
+
+def event(outcome: Outcome | None, slot: int, time: float) -> Info:
+    """What `info["events"]` tells of an outcome, None for a slot's time-out."""
+    return {"outcome": "time-out" if outcome is None else outcome.value, "slot": slot, "time": time}
 
 
 class WithImages:

@@ -1,11 +1,11 @@
 """What the learning environments may be told. No engine needed to set it."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, fields
 from math import isfinite
 from typing import get_args
 
-from cell.interfaces import Image
+from cell.interfaces import Image, Outcome
 from cell.speed import PRESETS
 from maskval import EnsembleAdd, MaskVal, NoUncertainty, UncertaintyMethod
 from sim.conditions import Conditions
@@ -41,6 +41,15 @@ class Rewards:
         for entry in fields(self):
             if not isfinite(getattr(self, entry.name)):
                 raise EnvOptionError(f"expected a finite reward {entry.name}, got {getattr(self, entry.name)}")
+
+    def of(self, ends: Iterable[Outcome | None], seconds: float) -> float:
+        """What slots that ended so, None for a time-out, and the time that went by are worth."""
+        outcomes = [outcome for outcome in ends if outcome is not None]
+        return (
+            self.second * seconds
+            + self.true_positive * sum(outcome.is_true_positive for outcome in outcomes)
+            + self.false_positive * sum(outcome.is_false_positive for outcome in outcomes)
+        )
 
 
 @dataclass(frozen=True, slots=True)
