@@ -23,7 +23,7 @@ from cell.layout import Layout
 from cell.motion import Motion, Unreachable
 from cell.perception import Perception
 from cell.records import AttemptRecord, Count, Failed, Seen, Slot, State, Transition
-from cell.search import SearchRun, refinement_view, search_run
+from cell.search import REFINE_DISTANCE, SearchRun, refinement_view, search_run
 from cell.speed import PRESETS, SpeedPreset
 from maskval import Pose
 
@@ -39,6 +39,7 @@ class CycleConfig:
         parts: how many parts lie on the belt; each has one slot of time.
         slot_time: s per part; an attempt that began in time is finished and counts.
         settle_time: s that the arm stands still before a picture.
+        refine_distance: m from the estimated part at which it is looked at again.
         time_limit: s of the wall clock that a decision of the policy may take.
         speed: limits of the arm's motions.
     """
@@ -46,6 +47,7 @@ class CycleConfig:
     parts: int = 8
     slot_time: float = 20.0
     settle_time: float = 0.05
+    refine_distance: float = REFINE_DISTANCE
     time_limit: float = TIME_LIMIT
     speed: SpeedPreset = field(default_factory=lambda: PRESETS["ur-default"])
 
@@ -53,9 +55,9 @@ class CycleConfig:
         for name, least in (("parts", 1), ("settle_time", 0.0)):
             if not getattr(self, name) >= least:
                 raise ValueError(f"expected {name} of at least {least}, got {getattr(self, name)}")
-        for name in ("slot_time", "time_limit"):
+        for name, unit in (("slot_time", "s"), ("refine_distance", "m"), ("time_limit", "s")):
             if not getattr(self, name) > 0:
-                raise ValueError(f"expected {name} above 0 s, got {getattr(self, name)}")
+                raise ValueError(f"expected {name} above 0 {unit}, got {getattr(self, name)}")
 
 
 class Cycle:
@@ -210,8 +212,11 @@ class Cycle:
         return seen
 
     def _refinement_view(self, seen: Seen) -> Pose:
+        if seen.decision.X_BC is not None:
+            return seen.decision.X_BC
         X_BO_est = seen.observation.X_BO_est(_detection(seen.decision))
-        return seen.decision.X_BC or refinement_view(X_BO_est, self._perception.part.mesh.bounds.mean(axis=0))
+        center_O = self._perception.part.mesh.bounds.mean(axis=0)
+        return refinement_view(X_BO_est, center_O, self._config.refine_distance)
 
     def _attempt(self, seen: Seen) -> Outcome:
         observation, index = seen.observation, _detection(seen.decision)

@@ -37,6 +37,6 @@ def search_run(layout: Layout) -> SearchRun:
     return SearchRun(tuple(look_at(X_BW.apply(point), SEARCH_DISTANCE) for point in points_W))
 
 
-def refinement_view(X_BO_est: Pose, center_O: np.ndarray) -> Pose:
+def refinement_view(X_BO_est: Pose, center_O: np.ndarray, distance: float = REFINE_DISTANCE) -> Pose:
     """X_BC of a nearer view, straight above the estimated middle of the part."""
-    return look_at(X_BO_est.apply(center_O), REFINE_DISTANCE)
+    return look_at(X_BO_est.apply(center_O), distance)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 STEP = 0.4  # of a finite difference, in standard deviations of the prior: well above what single outliers change
-_PRECISION = 0.02  # of the parameters, in the same unit: below it a fit has arrived
+_ARRIVED = 0.01  # a step that changes the parameters, or lowers the sum of squares, by a smaller share is the last
 
 Array = NDArray[np.float64]
 Misses = Callable[[Sequence[Array]], list[Array]]  # of many z, each (D,): (figure - target) / sd of each, (T,)
@@ -81,6 +81,6 @@ def fit(misses: Misses, parameters: int, rounds: int) -> Fit:
         ahead = np.array(misses(list(z + STEP * np.eye(parameters))))
         return np.vstack(((ahead - here).T / STEP, np.eye(parameters)))
 
-    found = least_squares(residuals, np.zeros(parameters), jac=jacobian, xtol=_PRECISION, max_nfev=rounds)
+    found = least_squares(residuals, np.zeros(parameters), jac=jacobian, xtol=_ARRIVED, ftol=_ARRIVED, max_nfev=rounds)
     targets = len(found.fun) - parameters
     return Fit(found.x, found.fun[:targets], found.jac[:targets], taken)

@@ -14,8 +14,9 @@ import tyro
 from experiments.calibrate_config import Calibrate
 from experiments.config import Compare, Picture, Run, Tolerance
 from experiments.dataset_config import Dataset
-from experiments.errors import UsageError
+from experiments.errors import ExperimentsFailedError, UsageError
 from experiments.parties import Parties
+from experiments.predict_config import FitGap, Predict
 from experiments.uq import Uq, uq
 from sim.conditions import Conditions
 from sim.errors import GraphicsError
@@ -72,6 +73,20 @@ def _calibrate(config: Calibrate) -> int:
     return calibrate(config)
 
 
+def _gap(config: FitGap) -> int:
+    _load_engine()
+    from experiments.fit_gap import gap  # noqa: PLC0415
+
+    return gap(config)
+
+
+def _predict(config: Predict) -> int:
+    _load_engine()
+    from experiments.predict import predict  # noqa: PLC0415
+
+    return predict(config)
+
+
 _COMMAND: Any = (
     Annotated[Compare, tyro.conf.subcommand("compare")]
     | Annotated[Run, tyro.conf.subcommand("run")]
@@ -79,6 +94,8 @@ _COMMAND: Any = (
     | Annotated[Tolerance, tyro.conf.subcommand("tolerance")]
     | Annotated[Dataset, tyro.conf.subcommand("dataset")]
     | Annotated[Calibrate, tyro.conf.subcommand("calibrate")]
+    | Annotated[FitGap, tyro.conf.subcommand("gap")]
+    | Annotated[Predict, tyro.conf.subcommand("predict")]
     | Annotated[Uq, tyro.conf.subcommand("uq")]
 )
 COMMANDS: dict[str, tuple[type[Any], Callable[[Any], int]]] = {
@@ -88,6 +105,8 @@ COMMANDS: dict[str, tuple[type[Any], Callable[[Any], int]]] = {
     "tolerance": (Tolerance, _tolerance),
     "dataset": (Dataset, _dataset),
     "calibrate": (Calibrate, _calibrate),
+    "gap": (FitGap, _gap),
+    "predict": (Predict, _predict),
     "uq": (Uq, uq),
 }
 
@@ -103,6 +122,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
         code = jobs[type(config)](config)
     except (UsageError, GraphicsError) as error:
         _fail(str(error), USAGE)
+    except ExperimentsFailedError as error:
+        _fail(str(error), 1)
     except KeyboardInterrupt:
         _fail("interrupted", 130)
     sys.exit(code)

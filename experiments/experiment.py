@@ -9,6 +9,7 @@ from cell.cycle import Cycle, CycleConfig
 from cell.errors import CellError
 from cell.interfaces import Listener
 from cell.records import Count
+from cell.search import REFINE_DISTANCE
 from cell.setup import EstimatorSetup
 from cell.speed import PRESETS
 from experiments.errors import UsageError
@@ -23,6 +24,7 @@ from sim.conditions import Conditions
 from sim.errors import SimError
 from sim.estimators import Kind
 from sim.latents import Streams
+from sim.noise import load_noise
 from sim.part_numbers import PIXEL_CENTER
 from sim.parts import PartModel, load_part
 from sim.stage import Estimators, set_stage
@@ -47,6 +49,8 @@ class ExperimentSpec:
         policy: a name of `policies.POLICIES`, `package.module:Class`, or None for the method's own.
         recorded: the folder that is replayed.
         time_limit: s of the wall clock that an estimator, the method or the policy has per call.
+        noise: other values of parameters of the part's error model, by "section.key".
+        refine_distance: m from the estimated part at which it is looked at again.
     """
 
     part: str
@@ -62,6 +66,8 @@ class ExperimentSpec:
     policy: str | None = None
     recorded: Path | None = None
     time_limit: float = TIME_LIMIT
+    noise: tuple[tuple[str, float], ...] = ()
+    refine_distance: float = REFINE_DISTANCE
 
     @property
     def cell(self) -> tuple[str, int, Conditions, bool]:
@@ -128,13 +134,19 @@ def make_cycle(
     if estimators is None:
         setup = EstimatorSetup(part, layout.camera, PIXEL_CENTER, spec.seed, spec.experiment)
         estimators = choose_estimators(spec.estimator, setup, spec.recorded, spec.method, spec.time_limit)
-    stage = set_stage(here, streams, booth, estimators, method.uncertainty)
+    noise = load_noise(model.noise).changed(dict(spec.noise))
+    stage = set_stage(here, streams, booth, estimators, method.uncertainty, noise=noise)
     return Cycle(
         station=stage.station,
         referee=stage.referee,
         perception=replace(stage.perception, time_limit=spec.time_limit),
         policy=policy,
         layout=layout,
-        config=CycleConfig(parts=spec.parts, speed=PRESETS[spec.speed], time_limit=spec.time_limit),
+        config=CycleConfig(
+            parts=spec.parts,
+            refine_distance=spec.refine_distance,
+            speed=PRESETS[spec.speed],
+            time_limit=spec.time_limit,
+        ),
         listener=listen,
     )

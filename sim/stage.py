@@ -8,7 +8,7 @@ from maskval import UncertaintyMethod
 from sim.bench import Bench, starting_poses
 from sim.estimators import Kind, make_estimators
 from sim.latents import Streams
-from sim.noise import load_noise
+from sim.noise import PartNoise, load_noise
 from sim.part_numbers import PIXEL_CENTER
 from sim.referee import SimReferee
 from sim.station import SimStation
@@ -27,7 +27,13 @@ class Stage:
 
 
 def set_stage(
-    here: Bench, streams: Streams, booth: TruthBooth, estimators: Kind | Estimators, method: UncertaintyMethod
+    here: Bench,
+    streams: Streams,
+    booth: TruthBooth,
+    estimators: Kind | Estimators,
+    method: UncertaintyMethod,
+    *,
+    noise: PartNoise | None = None,
 ) -> Stage:
     """Lays the parts on the belt, lets them settle, and sets the clock to 0.
 
@@ -37,6 +43,7 @@ def set_stage(
         booth: is told the truth about every frame.
         estimators: "noisy" or "oracle", or a detector and pose networks of one's own.
         method: says how uncertain poses are.
+        noise: error model of the simulated networks; the part's own by default.
 
     Raises:
         SimError: the parts have no room, or do not come to rest.
@@ -45,7 +52,7 @@ def set_stage(
     world.reset(starting_poses(model, world.parts, world.layout, streams))
     station = SimStation(world, here.camera, booth)
     if isinstance(estimators, str):
-        estimators = make_estimators(estimators, booth, model.part, load_noise(model.noise), streams)
+        estimators = make_estimators(estimators, booth, model.part, noise or load_noise(model.noise), streams)
     detector, networks = estimators
     perception = Perception(model.part, detector, networks, method, PIXEL_CENTER)
     return Stage(station, SimReferee(world, station), perception)
