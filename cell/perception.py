@@ -13,7 +13,7 @@ from cell.asking import TIME_LIMIT, ask
 from cell.errors import EstimatorError
 from cell.interfaces import Detection, Frame, Image, MaskEstimator, Observation, PoseEstimator, Station
 from cell.part import Part
-from maskval import Estimates, Pose, UncertaintyMethod
+from maskval import Estimates, InvalidEstimatesError, Pose, UncertaintyMethod, needs_of
 
 T = TypeVar("T")
 
@@ -40,12 +40,14 @@ class Perception:
 
     @property
     def images(self) -> frozenset[Image]:
-        """The images that the networks in use read.
+        """The images that the networks in use and the method read.
 
         Raises:
             EstimatorError: a network or the method says of itself what cannot be.
         """
-        return frozenset[Image]().union(*(network.images for network in self._networks()))
+        networks = self._networks()
+        depth = {Image.DEPTH} if needs_of(self.method).depth else set[Image]()
+        return frozenset(depth).union(*(network.images for network in networks))
 
     @property
     def inference_time(self) -> float:
@@ -89,11 +91,13 @@ class Perception:
         return networks
 
     def _used(self) -> tuple[PoseEstimator, ...]:
-        needed, available = self.method.estimators, len(self.pose_estimators)
-        if not (isinstance(needed, int) and 1 <= needed <= available):
-            raise EstimatorError(
-                f"{type(self.method).__name__}: expected estimators of 1..{available}, as there are, got {needed!r}"
-            )
+        name, available = type(self.method).__name__, len(self.pose_estimators)
+        try:
+            needed = needs_of(self.method).estimators
+        except InvalidEstimatesError as error:
+            raise EstimatorError(str(error)) from error
+        if needed > available:
+            raise EstimatorError(f"{name}: expected to need at most {available} estimators, as there are, got {needed}")
         return self.pose_estimators[:needed]
 
     def uncertainties(
@@ -112,6 +116,8 @@ class Perception:
             poses=poses,
             scores=np.array([detection.score for detection in detections]),
             pixel_center=self.pixel_center,
+            depth=frame.depth,
+            X_BC=frame.X_BC,
         )
         u = self._asked(self.method, frame, lambda: np.array(self.method(estimates), dtype=np.float64))
         if u.shape != (len(detections),) or not np.all((u >= 0.0) & (u <= 1.0)):

@@ -4,8 +4,12 @@
 
 import os
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from experiments.errors import UsageError
+
+if TYPE_CHECKING:
+    from experiments.thresholds import Thresholds
 
 FAILED = 3  # exit code of a command whose experiments, or some of them, failed
 _MOST = 2**31 - 1  # what the logs' columns hold
@@ -24,21 +28,21 @@ def check_cell(parts: int, seed: int, speed: str) -> None:
     one_of("--speed", speed, tuple(PRESETS))
 
 
-def check_part_and_method(part: str, method: str, thresholds: str) -> str:
+def check_part_and_method(part: str, method: str, thresholds: "Thresholds") -> str:
     """The part's name; raises UsageError unless part, error model, method and threshold exist."""
-    from experiments.methods import METHODS, make_method
-    from experiments.thresholds import load_thresholds
+    from experiments.methods import Context, make_method
     from sim.errors import SimError
+    from sim.latents import Streams
     from sim.noise import load_noise
     from sim.parts import load_part
+    from sim.truth import TruthBooth
 
-    one_of("--method", method, tuple(METHODS))
     try:
         model = load_part(part)
         load_noise(model.noise)
     except SimError as error:
         raise UsageError(str(error)) from error
-    make_method(method, model.part.name, load_thresholds(thresholds))
+    make_method(method, Context(model.part, thresholds, Streams(0, 0, model.part.name), TruthBooth()))
     return model.part.name
 
 

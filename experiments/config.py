@@ -31,7 +31,9 @@ class Compare:
     objects: tuple[str, ...] = ("antenna", "handle")
     """Parts to be sequenced: names, or TOML files of your own."""
     methods: tuple[str, ...] = ("none", "ensemble-add", "maskval")
-    """Uncertainty methods: none, ensemble-add, maskval."""
+    """Uncertainty methods: none, maskval, maskval-no-visibility, ensemble-add, ensemble-mdd, ensemble-translation,
+    ensemble-rotation, maskval-ensemble, contour, depth, score, temporal, random, oracle-mask, oracle-mdd; or your own
+    as package.module:Class; or all for all of these."""
     experiments: int = 5
     """Experiments per object and method; experiment i meets the same parts in the same poses with every method."""
     parts: int = 8
@@ -41,7 +43,9 @@ class Compare:
     parties: Players = field(default_factory=Parties)
     """Who sees and who decides."""
     thresholds: str = "paper"
-    """A preset (paper), or a TOML file of the same form."""
+    """A preset (derived, paper), or a TOML file of the same form, such as graspcell dataset writes."""
+    u_grasp: tuple[str, ...] = ()
+    """Grasping thresholds of your own for all objects, METHOD=U; they go before those of --thresholds."""
     speed: str = "ur-default"
     """How fast the arm moves: ur-default, moderate, fast."""
     conditions: Disturbances = field(default_factory=Conditions)
@@ -58,23 +62,23 @@ class Compare:
             UsageError: an argument that cannot be.
         """
         from experiments.experiment import ExperimentSpec
+        from experiments.methods import named_methods
         from experiments.thresholds import load_thresholds
 
         check_cell(self.parts, self.seed, self.speed)
         at_least("--experiments", self.experiments, 1)
         at_least("--jobs", self.jobs, 0)
-        for name, chosen in (("--objects", self.objects), ("--methods", self.methods)):
+        methods = named_methods(self.methods)
+        for name, chosen in (("--objects", self.objects), ("--methods", methods)):
             if not chosen:
                 raise UsageError(f"{name} is empty: expected at least one name")
             if len(set(chosen)) < len(chosen):
                 raise UsageError(f"{name} names something twice: {' '.join(chosen)}")
-        thresholds = load_thresholds(self.thresholds)
-        names = {
-            check_part_and_method(part, method, self.thresholds) for method in self.methods for part in self.objects
-        }
+        thresholds = load_thresholds(self.thresholds).with_told(self.u_grasp, methods)
+        names = {check_part_and_method(part, method, thresholds) for method in methods for part in self.objects}
         if len(names) < len(self.objects):
             raise UsageError(f"--objects has files of the same part name: {' '.join(self.objects)}")
-        for part, method in product(self.objects, self.methods):
+        for part, method in product(self.objects, methods):
             self.parties.check(part, method, thresholds)
         return [
             ExperimentSpec(
@@ -92,7 +96,7 @@ class Compare:
                 time_limit=self.parties.time_limit,
             )
             for part in self.objects
-            for method in self.methods
+            for method in methods
             for experiment in range(self.experiments)
         ]
 
@@ -112,7 +116,9 @@ class Run:
     object: str = "antenna"
     """Part to be sequenced: antenna, handle, or a TOML file of your own."""
     method: str = "maskval"
-    """Uncertainty method: none, ensemble-add, maskval."""
+    """Uncertainty method: none, maskval, maskval-no-visibility, ensemble-add, ensemble-mdd, ensemble-translation,
+    ensemble-rotation, maskval-ensemble, contour, depth, score, temporal, random, oracle-mask, oracle-mdd; or your own
+    as package.module:Class."""
     experiment: int = 0
     """Number of the experiment."""
     parts: int = 8
@@ -122,7 +128,9 @@ class Run:
     parties: Players = field(default_factory=Parties)
     """Who sees and who decides."""
     thresholds: str = "paper"
-    """A preset (paper), or a TOML file of the same form."""
+    """A preset (derived, paper), or a TOML file of the same form, such as graspcell dataset writes."""
+    u_grasp: float | None = None
+    """Grasping threshold of your own; goes before that of --thresholds."""
     speed: str = "ur-default"
     """How fast the arm moves: ur-default, moderate, fast."""
     conditions: Disturbances = field(default_factory=Conditions)
@@ -141,8 +149,9 @@ class Run:
 
         check_cell(self.parts, self.seed, self.speed)
         at_least("--experiment", self.experiment, 0)
-        check_part_and_method(self.object, self.method, self.thresholds)
-        thresholds = load_thresholds(self.thresholds)
+        told = () if self.u_grasp is None else (f"{self.method}={self.u_grasp}",)
+        thresholds = load_thresholds(self.thresholds).with_told(told, (self.method,))
+        check_part_and_method(self.object, self.method, thresholds)
         self.parties.check(self.object, self.method, thresholds)
         return ExperimentSpec(
             part=self.object,
@@ -200,7 +209,7 @@ class Picture:
             raise UsageError(f"expected --size within 1 1 and 1920 1080, got {width} {height}")
         if self.out.suffix not in (".png", ".jpg"):
             raise UsageError(f"expected --out to end in .png or .jpg, got {self.out}")
-        check_part_and_method(self.object, "none", "paper")
+        check_part_and_method(self.object, "none", load_thresholds("paper"))
         return ExperimentSpec(
             part=self.object,
             method="none",
@@ -254,7 +263,7 @@ class Tolerance:
         for mdd_mm in self.mdd_mm:
             if not 0 <= mdd_mm <= 100:
                 raise UsageError(f"expected --mdd-mm in 0..100, got {mdd_mm:g}")
-        check_part_and_method(part, "none", "paper")
+        check_part_and_method(part, "none", load_thresholds("paper"))
         return [
             ExperimentSpec(
                 part=part,

@@ -60,7 +60,9 @@ def _judged_sets(config: Dataset) -> Iterator[tuple[str, Judged, Matches]]:
     """Each part with its judged set."""
     batches = config.batches
     tasks = [
-        BatchTask(part, config.seed, batch, config.annotated_visibility) for part in config.objects for batch in batches
+        BatchTask(part, config.seed, batch, config.annotated_visibility, config.named_methods)
+        for part in config.objects
+        for batch in batches
     ]
     with (
         tqdm(total=len(config.objects) * config.images, unit="image", dynamic_ncols=True) as progress,

@@ -8,18 +8,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cell.layout import default_camera
+from cell.part import Part
 from experiments.dataset_coco import Annotations, Matches
-from maskval import Camera, Estimates, MaskVal, Mesh, add, mdd
-from maskval.ensemble import ENSEMBLE_MAXIMUM_M
+from experiments.errors import UsageError
+from experiments.methods import Context, make_uncertainty
+from experiments.thresholds import Thresholds
+from maskval import Camera, Estimates, Mesh, UncertaintyMethod, add, mdd, needs_of
 from sim.dataset import ImageTruth, Recipe, make_image
-from sim.dataset_estimates import ImageEstimates, estimate_image
+from sim.dataset_estimates import NETWORKS, ImageEstimates, estimate_image
 from sim.latents import Streams
 from sim.noise import load_noise
 from sim.part_numbers import NOTHING, PIXEL_CENTER
 from sim.parts import load_part
+from sim.truth import FrameTruth, TruthBooth
+
+METHODS = ("maskval", "ensemble-add", "oracle-mask", "oracle-mdd", "random")  # unless others are asked for
 
 Array = NDArray[np.float64]
-ERROR_THRESHOLD_M = 0.015  # the paper's e_t for its robot
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,12 +36,14 @@ class BatchTask:
         seed: root of the set's random numbers.
         images: their numbers.
         annotated_visibility: least visible share of a part that the detector is asked for.
+        methods: names of the methods to judge by.
     """
 
     object: str
     seed: int
     images: range
     annotated_visibility: float
+    methods: tuple[str, ...] = METHODS
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -82,13 +89,16 @@ def run_batch(task: BatchTask) -> tuple[Judged, Matches]:
     """What is known of the images of a task: a function of its fields, whatever is asked for beside it."""
     model, camera = load_part(task.object), default_camera()
     noise, mesh = load_noise(model.noise), model.part.mesh
+    booth = TruthBooth()
+    methods = make_uncertainties(task.methods, model.part, Streams(task.seed, 0, model.part.name), booth)
     annotations, images = Annotations(), []
     for number in task.images:
         streams = Streams(task.seed, number, model.part.name)
         truth = make_image(mesh, camera, Recipe(), streams)
         estimates = estimate_image(truth, mesh, camera, noise, streams)
         _annotate(annotations, truth, estimates, task.annotated_visibility)
-        images.append(_judge(truth, estimates, mesh, camera, streams))
+        booth.keep(FrameTruth(number, truth.part_numbers, truth.X_CO_true))
+        images.append(_judge(truth, estimates, mesh, camera, methods))
     return Judged.join(images), annotations.matches()
 
 
@@ -97,39 +107,68 @@ def _annotate(annotations: Annotations, truth: ImageTruth, estimates: ImageEstim
     annotations.add(seen, [(detection.mask, detection.score) for detection in estimates.detections])
 
 
-def _judge(truth: ImageTruth, estimates: ImageEstimates, mesh: Mesh, camera: Camera, streams: Streams) -> Judged:
-    first, second = estimates.poses
-    shown = [truth.X_CO_true[part] if part != NOTHING else None for part in estimates.parts]
-    detected = [detection.mask for detection in estimates.detections]
-    # No pixel shows the part number below NOTHING: the true mask of what shows no part is empty.
-    true = [truth.mask(part if part != NOTHING else NOTHING - 1) for part in estimates.parts]
-    mdd_m = np.array(
-        [
-            np.inf if X_true is None else mdd(X_est, X_true, mesh.vertices)
-            for X_est, X_true in zip(first, shown, strict=True)
-        ]
+def make_uncertainties(
+    names: Sequence[str], part: Part, streams: Streams, booth: TruthBooth
+) -> dict[str, UncertaintyMethod]:
+    """The methods by name, Ensemble-ADD on a scale from 0 m.
+
+    Raises:
+        UsageError: a method does not exist, or needs several views of a scene: test images show another one each.
+    """
+    from_zero = Thresholds("of this set", refine=0.0, grasp={}, ensemble_add_minimum={part.name: 0.0})
+    context = Context(part, from_zero, streams, booth)
+    made = {name: make_uncertainty(name, context) for name in names}
+    for name, method in made.items():
+        needs = needs_of(method)
+        if needs.X_BC:
+            raise UsageError(
+                f"{name} needs several views of one scene; expected methods that judge a single test image"
+            )
+        if needs.estimators > NETWORKS:
+            raise UsageError(f"{name} needs {needs.estimators} estimators; expected at most {NETWORKS}, as there are")
+    return made
+
+
+def _judge(
+    truth: ImageTruth, found: ImageEstimates, mesh: Mesh, camera: Camera, methods: dict[str, UncertaintyMethod]
+) -> Judged:
+    first, second = found.poses
+    shown = [truth.X_CO_true[part] if part != NOTHING else None for part in found.parts]
+    errors = (
+        np.inf if X_true is None else mdd(X_est, X_true, mesh.vertices)
+        for X_est, X_true in zip(first, shown, strict=True)
     )
-    disagreement_m = np.array([add(X1, X2, mesh.vertices) for X1, X2 in zip(first, second, strict=True)])
+    estimates = Estimates(
+        camera=camera,
+        mesh=mesh,
+        masks=np.array([one.mask for one in found.detections], dtype=np.bool_).reshape(-1, camera.height, camera.width),
+        poses=found.poses,
+        scores=np.array([one.score for one in found.detections]),
+        pixel_center=PIXEL_CENTER,
+        depth=truth.depth if any(needs_of(method).depth for method in methods.values()) else None,
+    )
     return Judged(
         poses=np.array([len(first)]),
         parts=np.array([len(truth.visibility)]),
-        pose_part=np.array(estimates.parts, dtype=np.int64),
-        mdd_m=mdd_m,
-        disagreement_m=disagreement_m,
-        u={
-            "maskval": _maskval(detected, estimates, mesh, camera),
-            "ensemble-add": np.minimum(disagreement_m / ENSEMBLE_MAXIMUM_M, 1.0),
-            "oracle-mask": _maskval(true, estimates, mesh, camera),
-            # Any rising function of the error is the perfect method; this one is 1/2 at e_t and 1 without a part.
-            "oracle-mdd": 1.0 - ERROR_THRESHOLD_M / (ERROR_THRESHOLD_M + mdd_m),
-            "random": streams.generator(0, "dataset random u").uniform(size=len(first)),
-        },
+        pose_part=np.array(found.parts, dtype=np.int64),
+        mdd_m=np.array(list(errors)),
+        disagreement_m=np.array([add(X1, X2, mesh.vertices) for X1, X2 in zip(first, second, strict=True)]),
+        u={name: _asked(name, method, estimates) for name, method in methods.items()},
         visibility=truth.visibility,
         in_view=truth.in_view,
     )
 
 
-def _maskval(masks: list[NDArray[np.bool_]], estimates: ImageEstimates, mesh: Mesh, camera: Camera) -> Array:
-    stack = np.array(masks, dtype=np.bool_).reshape(-1, camera.height, camera.width)
-    scores = np.array([detection.score for detection in estimates.detections])
-    return MaskVal()(Estimates(camera, mesh, stack, estimates.poses[:1], scores, PIXEL_CENTER))
+def _asked(name: str, method: UncertaintyMethod, estimates: Estimates) -> Array:
+    """The method's u.
+
+    Raises:
+        UsageError: the method raised, or gives something else than a u for each pose.
+    """
+    try:
+        u = np.array(method(estimates), dtype=np.float64)
+    except Exception as error:
+        raise UsageError(f"{name} raised {type(error).__name__}: {error}") from error
+    if u.shape != (len(estimates),) or not np.all((u >= 0.0) & (u <= 1.0)):
+        raise UsageError(f"{name}: expected {len(estimates)} uncertainties in [0, 1], got {u}")
+    return u

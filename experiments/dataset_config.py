@@ -24,6 +24,9 @@ class Dataset:
 
     objects: tuple[str, ...] = ("antenna", "handle")
     """Parts: names, or TOML files of your own."""
+    methods: tuple[str, ...] = ("maskval", "ensemble-add", "oracle-mask", "oracle-mdd", "random")
+    """Uncertainty methods: those of compare but for temporal, which needs several views; or your own as
+    package.module:Class; or all for all of these."""
     images: int = 10_000
     """Test images per part."""
     seed: int = 0
@@ -69,6 +72,14 @@ class Dataset:
         )
 
     @property
+    def named_methods(self) -> tuple[str, ...]:
+        """The methods, with "all" for every one that can judge a single image."""
+        from experiments.methods import METHODS
+
+        every = tuple(name for name in METHODS if name not in ("none", "temporal"))
+        return every if list(self.methods) == ["all"] else self.methods
+
+    @property
     def workers(self) -> int:
         """Processes to use."""
         return self.jobs or os.cpu_count() or 1
@@ -84,9 +95,12 @@ class Dataset:
         Raises:
             UsageError: says which and why.
         """
+        from experiments.dataset_batch import make_uncertainties
         from sim.errors import SimError
+        from sim.latents import Streams
         from sim.noise import load_noise
         from sim.parts import load_part
+        from sim.truth import TruthBooth
 
         for name, value, least in (
             ("--images", self.images, 1),
@@ -97,12 +111,18 @@ class Dataset:
             at_least(name, value, least)
         if not 0 <= self.annotated_visibility <= 1:
             raise UsageError(f"expected --annotated-visibility in 0..1, got {self.annotated_visibility:g}")
-        if not self.objects:
-            raise UsageError("--objects is empty: expected at least one name")
+        methods = self.named_methods
+        for option, chosen in (("--objects", self.objects), ("--methods", methods)):
+            if not chosen:
+                raise UsageError(f"{option} is empty: expected at least one name")
+        if len(set(methods)) < len(methods):
+            raise UsageError(f"--methods names something twice: {' '.join(methods)}")
         try:
             names = [load_part(part).part.name for part in self.objects]
             for part in self.objects:
-                load_noise(load_part(part).noise)
+                model = load_part(part)
+                load_noise(model.noise)
+                make_uncertainties(methods, model.part, Streams(0, 0, model.part.name), TruthBooth())
         except SimError as error:
             raise UsageError(str(error)) from error
         if len(set(names)) < len(names):

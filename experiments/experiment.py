@@ -14,7 +14,7 @@ from cell.setup import EstimatorSetup
 from cell.speed import PRESETS
 from experiments.errors import UsageError
 from experiments.estimators import choose_estimators
-from experiments.methods import make_method
+from experiments.methods import Context, Method, make_method
 from experiments.policy import make_policy, policy_name
 from experiments.recorder import Recorder, Row
 from experiments.thresholds import Thresholds
@@ -105,7 +105,7 @@ def run_experiment(spec: ExperimentSpec, tell: Callable[[object, TruthBooth], No
         if tell is not None:
             tell(record, booth)
 
-    method = make_method(spec.method, model.part.name, spec.thresholds)
+    method = _make_method(spec, model, booth)
     policy = policy_name(spec.policy, method)
     # What fails here fails for every experiment, and is no result of this one.
     bench(*spec.cell)
@@ -126,9 +126,9 @@ def make_cycle(
     estimators: Kind | Estimators | None = None,
 ) -> Cycle:
     """The cell, set up and reset, with everything that one experiment needs; `estimators` replace the spec's."""
-    method = make_method(spec.method, model.part.name, spec.thresholds)
-    here = bench(*spec.cell)
     streams = Streams(spec.seed, spec.experiment, model.part.name)
+    method = _make_method(spec, model, booth)
+    here = bench(*spec.cell)
     layout, part = here.world.layout, model.part
     policy = make_policy(spec.policy, method, part, layout, spec.thresholds.refine)
     if estimators is None:
@@ -150,3 +150,8 @@ def make_cycle(
         ),
         listener=listen,
     )
+
+
+def _make_method(spec: ExperimentSpec, model: PartModel, booth: TruthBooth) -> Method:
+    streams = Streams(spec.seed, spec.experiment, model.part.name)
+    return make_method(spec.method, Context(model.part, spec.thresholds, streams, booth))

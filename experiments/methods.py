@@ -1,13 +1,48 @@
 """The methods under comparison: an uncertainty and the policy that acts upon it, by name."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from cell.interfaces import Policy
+from cell.part import Part
 from experiments.errors import UsageError
+from experiments.plugins import chosen, make_object
 from experiments.thresholds import Thresholds
-from maskval import EnsembleAdd, MaskVal, NoUncertainty, UncertaintyMethod
+from maskval import (
+    Combined,
+    ContourDistance,
+    DepthConsistency,
+    DetectorScore,
+    Ensemble,
+    InvalidEstimatesError,
+    MaskVal,
+    NoUncertainty,
+    RandomUncertainty,
+    TemporalConsistency,
+    UncertaintyMethod,
+    needs_of,
+)
 from policies import Always, Threshold
+from sim.latents import Streams
+from sim.oracles import OracleMask, OracleMdd
+from sim.truth import TruthBooth
+
+
+@dataclass(frozen=True, slots=True)
+class Context:
+    """What an uncertainty may be made from, anew for every experiment.
+
+    Attributes:
+        part: the kind of part that is looked for.
+        thresholds: of all methods.
+        streams: the root of the experiment's random numbers.
+        booth: where the truth is; for the oracles only.
+    """
+
+    part: Part
+    thresholds: Thresholds
+    streams: Streams
+    booth: TruthBooth
 
 
 @dataclass(frozen=True, slots=True)
@@ -18,36 +53,73 @@ class Method:
     policy: Policy
 
 
-def _none(part: str, thresholds: Thresholds) -> Method:
-    return Method(NoUncertainty(), Always())
-
-
-def _maskval(part: str, thresholds: Thresholds) -> Method:
-    return Method(MaskVal(), Threshold(thresholds.of(part, "maskval"), thresholds.refine))
-
-
-def _ensemble_add(part: str, thresholds: Thresholds) -> Method:
+def _ensemble_add(context: Context) -> UncertaintyMethod:
+    part, thresholds = context.part.name, context.thresholds
     if part not in thresholds.ensemble_add_minimum:
         raise UsageError(f"the thresholds {thresholds.source} have no ensemble_add_minimum_m.{part}")
-    return Method(
-        EnsembleAdd(minimum_m=thresholds.ensemble_add_minimum[part]),
-        Threshold(thresholds.of(part, "ensemble-add"), thresholds.refine),
-    )
+    return Ensemble("add", minimum=thresholds.ensemble_add_minimum[part])
 
 
-METHODS: dict[str, Callable[[str, Thresholds], Method]] = {
-    "none": _none,
+def _random(context: Context) -> UncertaintyMethod:
+    return RandomUncertainty(int(context.streams.generator(0, "random u").integers(2**63)))
+
+
+METHODS: dict[str, Callable[[Context], UncertaintyMethod]] = {
+    "none": lambda _: NoUncertainty(),
+    "maskval": lambda _: MaskVal(),
+    "maskval-no-visibility": lambda _: MaskVal(alpha=0.0),
     "ensemble-add": _ensemble_add,
-    "maskval": _maskval,
+    "ensemble-mdd": lambda _: Ensemble("mdd"),
+    "ensemble-translation": lambda _: Ensemble("translation"),
+    "ensemble-rotation": lambda _: Ensemble("rotation"),
+    "maskval-ensemble": lambda _: Combined((MaskVal(), Ensemble("add"))),
+    "contour": lambda _: ContourDistance(),
+    "depth": lambda _: DepthConsistency(),
+    "score": lambda _: DetectorScore(),
+    "temporal": lambda _: TemporalConsistency(),
+    "random": _random,
+    "oracle-mask": lambda context: OracleMask(context.booth),
+    "oracle-mdd": lambda context: OracleMdd(context.booth),
 }
 
 
-def make_method(name: str, part: str, thresholds: Thresholds) -> Method:
-    """The method of this name for one kind of part.
+def named_methods(names: Sequence[str]) -> tuple[str, ...]:
+    """The names, with "all" for every method of `METHODS`."""
+    return tuple(METHODS) if list(names) == ["all"] else tuple(names)
+
+
+def make_uncertainty(name: str, context: Context) -> UncertaintyMethod:
+    """The uncertainty of this name, or what the class `package.module:Class` gives without arguments.
+
+    Raises:
+        UsageError: there is none, or it cannot be made.
+    """
+    make = chosen("--method", name, METHODS)
+    if name in METHODS:
+        return METHODS[name](context)
+    made: UncertaintyMethod = make_object(name, make, ("__call__",))
+    try:
+        needs_of(made)
+    except InvalidEstimatesError as error:
+        raise UsageError(f"{name}: {error}") from error
+    return made
+
+
+def make_method(name: str, context: Context) -> Method:
+    """The uncertainty of this name with its policy: the paper's two thresholds; "none" always grasps.
 
     Raises:
         UsageError: there is none, or no threshold for it.
     """
-    if name not in METHODS:
-        raise UsageError(f"unknown method {name!r}: expected one of {', '.join(METHODS)}")
-    return METHODS[name](part, thresholds)
+    uncertainty = make_uncertainty(name, context)
+    if name == "none":
+        return Method(uncertainty, Always())
+    thresholds = context.thresholds
+    u_grasp = thresholds.of(context.part.name, name, own_threshold(uncertainty))
+    return Method(uncertainty, Threshold(u_grasp, thresholds.refine))
+
+
+def own_threshold(uncertainty: UncertaintyMethod) -> float | None:
+    """The u_t,g that a method brings along as its attribute `u_grasp`, for want of a derived one."""
+    u_grasp: float | None = getattr(uncertainty, "u_grasp", None)
+    return u_grasp

@@ -1,16 +1,20 @@
 """Thresholds per object and method, from a preset of the package or a TOML file of the same form."""
 
 import tomllib
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 from importlib.resources import files
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 from experiments.errors import UsageError
 from maskval.ensemble import ENSEMBLE_MAXIMUM_M
 
 _PRESETS = files("experiments") / "presets"
-_FORM = "expected refine = u, [grasp.OBJECT] with METHOD = u and [ensemble_add_minimum_m] with OBJECT = m"
+_FORM = (
+    "expected refine = u, [grasp.OBJECT] with METHOD = u, [ensemble_add_minimum_m] with OBJECT = m, "
+    "and if there are such, [least_error.OBJECT] with METHOD = u"
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,24 +26,66 @@ class Thresholds:
         refine: u_t,r of all objects and methods.
         grasp: u_t,g by object, then by method.
         ensemble_add_minimum: m by object, where Ensemble-ADD's scale begins.
+        least_error: u_t,g by object and method where none reaches the demanded AP: the u of the fewest errors.
+        told: u_t,g by method, of all objects; goes before all others.
     """
 
     source: str
     refine: float
     grasp: dict[str, dict[str, float]]
     ensemble_add_minimum: dict[str, float]
+    least_error: dict[str, dict[str, float]] = field(default_factory=dict)
+    told: dict[str, float] = field(default_factory=dict)
 
-    def of(self, part: str, method: str) -> float:
+    def of(self, part: str, method: str, own: float | None = None) -> float:
         """u_t,g of one object and method.
 
+        Args:
+            part: the object's name.
+            method: the method's name.
+            own: what the method brings along, for want of all others.
+
         Raises:
-            UsageError: the table has none.
+            UsageError: there is none.
         """
-        try:
-            return self.grasp[part][method]
-        except KeyError:
-            has = ", ".join(f"{one} × {other}" for one, row in self.grasp.items() for other in row)
-            raise UsageError(f"the thresholds {self.source} have no grasp.{part}.{method}; they have {has}") from None
+        for found in (
+            self.told.get(method),
+            self.grasp.get(part, {}).get(method),
+            self.least_error.get(part, {}).get(method),
+            own,
+        ):
+            if found is not None:
+                return found
+        has = ", ".join(f"{one} × {other}" for one, row in self.grasp.items() for other in row)
+        raise UsageError(
+            f"the thresholds {self.source} have no grasp.{part}.{method}; they have {has}; "
+            f"give one with --u-grasp {method}=U, or derive it with graspcell dataset"
+        )
+
+    def caveat(self, part: str, method: str) -> str | None:
+        """What has to be said of an object's and method's u_t,g; None if it is told, or reaches the demanded AP."""
+        if method in self.told or method in self.grasp.get(part, {}):
+            return None
+        if method in self.least_error.get(part, {}):
+            return "no u reaches the AP on the test images; it is the u of least error"
+        return f"the thresholds {self.source} have none; it is the method's own"
+
+    def with_told(self, options: Sequence[str], methods: Sequence[str]) -> Self:
+        """These thresholds, but for what options METHOD=U say.
+
+        Raises:
+            UsageError: an option is malformed, or about a method that is not used.
+        """
+        told = {}
+        for option in options:
+            method, _, value = option.rpartition("=")
+            if method not in methods:
+                raise UsageError(f"expected --u-grasp METHOD=U of {', '.join(methods)}, got {option!r}")
+            try:
+                told[method] = _in_unit_interval(f"--u-grasp {method}", float(value))
+            except ValueError:
+                raise UsageError(f"expected --u-grasp {method}=U with U in [0, 1], got {option!r}") from None
+        return replace(self, told=told)
 
 
 def load_thresholds(name_or_file: str) -> Thresholds:
@@ -68,20 +114,25 @@ def load_thresholds(name_or_file: str) -> Thresholds:
         return Thresholds(
             source=name_or_file,
             refine=_in_unit_interval("refine", table["refine"]),
-            grasp={
-                part: {method: _in_unit_interval(f"grasp.{part}.{method}", u) for method, u in row.items()}
-                for part, row in table["grasp"].items()
-            },
+            grasp=_by_object("grasp", table["grasp"]),
             ensemble_add_minimum={
                 part: _minimum(f"ensemble_add_minimum_m.{part}", value)
                 for part, value in table["ensemble_add_minimum_m"].items()
             },
+            least_error=_by_object("least_error", table.get("least_error", {})),
         )
     except KeyError as missing:
         raise UsageError(f"thresholds {name_or_file}: the key {missing} is missing; {_FORM}") from missing
     except (tomllib.TOMLDecodeError, AttributeError, ValueError) as error:
         what = "a table is no table" if isinstance(error, AttributeError) else error
         raise UsageError(f"thresholds {name_or_file}: {what}; {_FORM}") from error
+
+
+def _by_object(key: str, table: dict[str, Any]) -> dict[str, dict[str, float]]:
+    return {
+        part: {method: _in_unit_interval(f"{key}.{part}.{method}", u) for method, u in row.items()}
+        for part, row in table.items()
+    }
 
 
 def _in_unit_interval(key: str, value: Any) -> float:

@@ -1,9 +1,12 @@
 """MaskVal: how far can a 6D pose be trusted, judged by the mask that it should project to."""
 
 from maskval.association import UNMATCHED, associate
+from maskval.baselines import DetectorScore, NoUncertainty, RandomUncertainty
 from maskval.camera import Camera
+from maskval.combined import Combined
 from maskval.depth import DepthCrop, depth_crop, depth_image
-from maskval.ensemble import EnsembleAdd, EnsembleMdd, EnsembleRotation, EnsembleTranslation
+from maskval.depth_agreement import DepthConsistency
+from maskval.ensemble import Ensemble
 from maskval.errors import (
     InvalidCameraError,
     InvalidEstimatesError,
@@ -15,7 +18,7 @@ from maskval.errors import (
     MaskvalError,
     MissingRendererError,
 )
-from maskval.estimates import Estimates, NoUncertainty, UncertaintyMethod
+from maskval.estimates import Estimates, Needs, UncertaintyMethod, needs_of
 from maskval.evaluation import NO_PART, Counting, Evaluation, ImageErrors, match_images
 from maskval.geometry import Pose, angle_between
 from maskval.intervals import bootstrap_mean_interval, proportion_interval
@@ -23,12 +26,14 @@ from maskval.mask_agreement import MaskVal, Uncertainties, maskval_uncertainty, 
 from maskval.masks import PackedMasks, mask_from_rle, mask_iou, rle_counts
 from maskval.mesh import Mesh
 from maskval.metrics import RecallCurve, rates, recall_curve
+from maskval.outline_agreement import ContourDistance, chamfer_distance
 from maskval.pose_error import add, add_s, mdd, mspd, mssd, rotation_error, translation_error
 from maskval.ranking import aurc, auroc, bootstrap_interval, spearman
 from maskval.silhouettes import Silhouette, silhouette, silhouette_boxes, silhouette_iou
 from maskval.summary import Measured, Summary, Threshold, summarise
 from maskval.symmetry import SymmetryAxis, symmetry_poses
 from maskval.thresholds import Certificate, certified_threshold, conformal_threshold, paper_threshold
+from maskval.view_agreement import TemporalConsistency
 from maskval.visible_surface import vsd
 
 __all__ = [
@@ -36,12 +41,13 @@ __all__ = [
     "UNMATCHED",
     "Camera",
     "Certificate",
+    "Combined",
+    "ContourDistance",
     "Counting",
+    "DepthConsistency",
     "DepthCrop",
-    "EnsembleAdd",
-    "EnsembleMdd",
-    "EnsembleRotation",
-    "EnsembleTranslation",
+    "DetectorScore",
+    "Ensemble",
     "Estimates",
     "Evaluation",
     "ImageErrors",
@@ -57,13 +63,16 @@ __all__ = [
     "Measured",
     "Mesh",
     "MissingRendererError",
+    "Needs",
     "NoUncertainty",
     "PackedMasks",
     "Pose",
+    "RandomUncertainty",
     "RecallCurve",
     "Silhouette",
     "Summary",
     "SymmetryAxis",
+    "TemporalConsistency",
     "Threshold",
     "Uncertainties",
     "UncertaintyMethod",
@@ -76,6 +85,7 @@ __all__ = [
     "bootstrap_interval",
     "bootstrap_mean_interval",
     "certified_threshold",
+    "chamfer_distance",
     "conformal_threshold",
     "depth_crop",
     "depth_image",
@@ -86,6 +96,7 @@ __all__ = [
     "mdd",
     "mspd",
     "mssd",
+    "needs_of",
     "paper_threshold",
     "proportion_interval",
     "rates",

@@ -1,7 +1,7 @@
 """What an uncertainty method is given, and what it must offer."""
 
 from dataclasses import dataclass
-from typing import ClassVar, Protocol
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,11 +22,13 @@ class Estimates:
         masks: The detector's masks, (N, H, W), bool.
         poses: poses[e][i] is estimator e's pose X_CO of detection i, made from mask i; estimator 0 is the one used.
         scores: The detector's confidences, (N,).
-        pixel_center: Where pixel i of the masks is sampled, u = i + pixel_center.
+        pixel_center: Where pixel i of the images is sampled, u = i + pixel_center.
+        depth: Measured z-depth, (H, W), metres, 0 where nothing was measured; None without a depth camera.
+        X_BC: Pose of the camera in a frame that stays where it is, such as the robot's base; None if unknown.
 
     Raises:
-        InvalidEstimatesError: If masks, poses and scores are not equally many, the masks are not of the image's
-            size or not bool, or there is no estimator.
+        InvalidEstimatesError: If masks, poses and scores are not equally many, an image is not of the camera's
+            size, the masks are not bool, a depth is negative or not finite, or there is no estimator.
     """
 
     camera: Camera
@@ -35,6 +37,8 @@ class Estimates:
     poses: tuple[tuple[Pose, ...], ...]
     scores: NDArray[np.float64]
     pixel_center: float = 0.0
+    depth: NDArray[np.float32] | None = None
+    X_BC: Pose | None = None
 
     def __post_init__(self) -> None:
         masks, scores = np.array(self.masks), np.array(self.scores, dtype=np.float64)
@@ -57,34 +61,65 @@ class Estimates:
             array.setflags(write=False)
             object.__setattr__(self, name, array)
         object.__setattr__(self, "poses", tuple(tuple(poses) for poses in self.poses))
+        if self.depth is not None:
+            object.__setattr__(self, "depth", _depth(self.depth, size))
 
     def __len__(self) -> int:
         return len(self.masks)
 
 
-class UncertaintyMethod(Protocol):
-    """An uncertainty quantification: anything that gives every estimated pose a number that is low for a good one."""
+def _depth(image: NDArray[np.float32], size: tuple[int, int]) -> NDArray[np.float32]:
+    depth = np.array(image, dtype=np.float32)
+    if depth.shape != size or not (np.isfinite(depth) & (depth >= 0)).all():
+        raise InvalidEstimatesError(f"depth must be of shape {size} (H, W), finite and >= 0 m, but has {depth.shape}")
+    depth.setflags(write=False)
+    return depth
 
-    @property
-    def estimators(self) -> int:
-        """How many pose estimators it needs."""
-        ...
+
+@dataclass(frozen=True, slots=True)
+class Needs:
+    """What a method must be given beside the camera, the mesh, masks, scores and one estimator's poses.
+
+    Args:
+        estimators: How many pose estimators, >= 1.
+        depth: Whether the estimates must hold a depth image.
+        X_BC: Whether they must hold the camera's pose: the method compares what several views of one scene show.
+
+    Raises:
+        InvalidEstimatesError: If `estimators` is no whole number >= 1.
+    """
+
+    estimators: int = 1
+    depth: bool = False
+    X_BC: bool = False
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.estimators, int) or self.estimators < 1:
+            raise InvalidEstimatesError(f"estimators must be a whole number >= 1, but is {self.estimators!r}")
+
+
+class UncertaintyMethod(Protocol):
+    """An uncertainty quantification: anything that gives every estimated pose a number that is low for a good one.
+
+    A method with an attribute `needs` of the type `Needs` is given what it asks for; one without, the least.
+    """
 
     def __call__(self, estimates: Estimates) -> NDArray[np.float64]:
         """The uncertainty u of each pose of estimator 0, (N,), in [0, 1]; low is good.
 
         Args:
-            estimates: Detections and the poses of at least `estimators` estimators.
+            estimates: Detections and what was asked for about them.
         """
         ...
 
 
-@dataclass(frozen=True, slots=True)
-class NoUncertainty:
-    """The method that trusts every pose: u = 0."""
+def needs_of(method: UncertaintyMethod) -> Needs:
+    """What a method asks for: its attribute `needs`, or the least there is.
 
-    estimators: ClassVar[int] = 1
-
-    def __call__(self, estimates: Estimates) -> NDArray[np.float64]:
-        """Zero for each pose, (N,)."""
-        return np.zeros(len(estimates))
+    Raises:
+        InvalidEstimatesError: If its `needs` are of another type.
+    """
+    needs = getattr(method, "needs", Needs())
+    if not isinstance(needs, Needs):
+        raise InvalidEstimatesError(f"{type(method).__name__}.needs must be a maskval.Needs, but is {needs!r}")
+    return needs

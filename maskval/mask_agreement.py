@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar, Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -26,11 +26,10 @@ class MaskVal:
     """The paper's method: compare each pose's silhouette with the mask that it was made from.
 
     Args:
-        alpha: Visibility below which the certainty is lowered by the visibility, in [0, 1].
+        alpha: Visibility below which the certainty is lowered by the visibility, in [0, 1]; 0 leaves it out.
     """
 
     alpha: float = ALPHA
-    estimators: ClassVar[int] = 1
 
     def __post_init__(self) -> None:
         _check_alpha(self.alpha)

@@ -41,18 +41,20 @@ class ImageTruth:
 
     Attributes:
         part_numbers: (H, W) int8, the part that each pixel shows, `NOTHING` where it shows none.
+        depth: (H, W) float32, exact z-depth of parts and clutter in m, 0 where there is neither.
         X_CO_true: true pose of every part.
         visibility: visible share of every part's whole silhouette: occlusion and the image's border, (P,) in [0, 1].
         in_view: share of it inside the image, whoever hides it, (P,) in [0, 1].
     """
 
     part_numbers: NDArray[np.int8]
+    depth: NDArray[np.float32]
     X_CO_true: tuple[Pose, ...]
     visibility: Array
     in_view: Array
 
     def __post_init__(self) -> None:
-        for array in (self.part_numbers, self.visibility, self.in_view):
+        for array in (self.part_numbers, self.depth, self.visibility, self.in_view):
             array.setflags(write=False)
 
     def mask(self, part: int) -> NDArray[np.bool_]:
@@ -79,7 +81,7 @@ def make_image(mesh: Mesh, camera: Camera, recipe: Recipe, streams: Streams) -> 
     clutter = rng.integers(*recipe.clutter, endpoint=True)
     poses = tuple(_anywhere(mesh, camera, recipe, rng) for _ in range(parts))
     others = [clutter_shapes()[i] for i in rng.integers(len(clutter_shapes()), size=clutter)]
-    numbers = draw_numbers(
+    numbers, depth = draw_nearest(
         [(mesh, X_CO, part) for part, X_CO in enumerate(poses)]
         + [(other, _anywhere(other, camera, recipe, rng), NOTHING) for other in others],
         camera,
@@ -88,14 +90,15 @@ def make_image(mesh: Mesh, camera: Camera, recipe: Recipe, streams: Streams) -> 
     seen_px = np.bincount(numbers.ravel() + 1, minlength=parts + 1)[1:]
     return ImageTruth(
         part_numbers=numbers,
+        depth=depth,
         X_CO_true=poses,
         visibility=np.minimum(1.0, seen_px / np.maximum(1, [one.area_px for one in whole])),
         in_view=np.array([one.visibility for one in whole]),
     )
 
 
-def draw_numbers(bodies: list[tuple[Mesh, Pose, int]], camera: Camera) -> NDArray[np.int8]:
-    """The number of the nearest body at each pixel, (H, W); `NOTHING` where there is none.
+def draw_nearest(bodies: list[tuple[Mesh, Pose, int]], camera: Camera) -> tuple[NDArray[np.int8], NDArray[np.float32]]:
+    """Number and z-depth (m) of the nearest body at each pixel, (H, W); `NOTHING` and 0 where there is none.
 
     Args:
         bodies: Shape, X_CO and number of each body; of equally near ones the first is seen.
@@ -110,7 +113,8 @@ def draw_numbers(bodies: list[tuple[Mesh, Pose, int]], camera: Camera) -> NDArra
         nearer = (crop.depth > 0) & (crop.depth < nearest[window])
         np.copyto(nearest[window], crop.depth, where=nearer)
         numbers[window][nearer] = number
-    return numbers
+    nearest[nearest == np.inf] = 0.0
+    return numbers, nearest
 
 
 @cache

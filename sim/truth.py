@@ -80,6 +80,17 @@ class TruthBooth:
         """Replaces what is held."""
         self._newest = truth
 
+    @property
+    def newest(self) -> FrameTruth:
+        """The truth about the newest frame.
+
+        Raises:
+            LookupError: there has been none.
+        """
+        if self._newest is None:
+            raise LookupError("no frame has been taken yet: there is no truth about one")
+        return self._newest
+
     def of(self, frame: Frame) -> FrameTruth:
         """The truth about the newest frame.
 

@@ -20,7 +20,7 @@ from cell.records import AttemptRecord, Count, Seen, Slot, State, Transition
 from cell.setup import PolicySetup
 from cell.trajectory import JointTrajectory
 from cell.ur10 import forward
-from maskval import Camera, Estimates, Mesh, Pose
+from maskval import Camera, Estimates, Mesh, Needs, Pose
 
 T = TypeVar("T")
 PoseScript = Sequence[Pose | Sequence[Pose]]
@@ -220,7 +220,7 @@ class FakeMethod:
     """Implements `maskval.UncertaintyMethod`: in the n-th frame the detections have the n-th u, one for all or each."""
 
     def __init__(self, u: Sequence[float | Sequence[float]] = (0.0,), estimators: int = 1) -> None:
-        self._u, self.estimators = u, estimators
+        self._u, self.needs = u, Needs(estimators)
         self.given: list[Estimates] = []
 
     def __call__(self, estimates: Estimates) -> NDArray[np.float64]:

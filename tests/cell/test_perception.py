@@ -10,7 +10,7 @@ import pytest
 from cell.errors import EstimatorError
 from cell.interfaces import Detection, Frame, Image, Observation
 from cell.perception import Perception
-from maskval import EnsembleAdd, Pose
+from maskval import Ensemble, Pose
 from tests.fakes import FakeMasks, FakeMethod, FakePoses, FakeStation, brick, on_belt, small_layout, turned
 
 LAYOUT = small_layout()
@@ -178,8 +178,8 @@ def test_a_method_that_returns_rubbish_is_refused_by_name_and_frame(answer, word
 
 
 def test_a_method_that_needs_more_estimators_than_there_are_is_refused():
-    with pytest.raises(EstimatorError, match=r"^EnsembleAdd: expected estimators of 1..1, as there are, got 2$"):
-        look(perception(method=EnsembleAdd(minimum_m=0.0)))
+    with pytest.raises(EstimatorError, match=r"^Ensemble: expected to need at most 1 estimators, as there are, got 2$"):
+        look(perception(method=Ensemble()))
 
 
 @pytest.mark.parametrize(

@@ -25,7 +25,7 @@ WRONG = [  # arguments, words that the one line of error must hold
     (["compare", "--objects", "handle", "cup"], ["unknown object 'cup'", "antenna, handle"]),
     (["compare", "--objects", "cup.toml"], ["cup.toml does not exist"]),
     (["compare", "--objects", "handle", "handle"], ["--objects names something twice", "handle handle"]),
-    (["compare", "--methods", "mask"], ["unknown method 'mask'", "none, ensemble-add, maskval"]),
+    (["compare", "--methods", "mask"], ["unknown method 'mask'", "none, maskval, ", "package.module:Class"]),
     (["compare", "--methods", "none", "none"], ["--methods names something twice"]),
     (["compare", "--experiments", "0"], ["--experiments of at least 1", "got 0"]),
     (["compare", "--experiments", "many"], ["--experiments", "many"]),
@@ -58,7 +58,7 @@ WRONG = [  # arguments, words that the one line of error must hold
     (["compare", "--hand-eye-error-mm", "nan", "0", "0"], ["--hand-eye-error-mm within -100 and 100", "nan"]),
     (["run", "--friction", "9"], ["--friction within 0.05 and 3", "9"]),
     (["run", "--object", "cup"], ["unknown object 'cup'", "antenna, handle"]),
-    (["run", "--method", "mask"], ["unknown method 'mask'", "none, ensemble-add, maskval"]),
+    (["run", "--method", "mask"], ["unknown method 'mask'", "none, maskval, ", "package.module:Class"]),
     (["run", "--experiment", "-1"], ["--experiment of at least 0", "got -1"]),
     (["run", "--parts", "9"], ["--parts in 1..8", "got 9"]),
 ]

@@ -7,7 +7,7 @@ from experiments.dataset_batch import Judged
 from experiments.dataset_bootstrap import draw_weights, resample
 from experiments.dataset_metrics import ERRORS_M, area, chosen, curves, evaluations, figures
 from experiments.dataset_rules import ALTERNATIVES, Rules
-from maskval import EnsembleAdd, Evaluation, paper_threshold, recall_curve, spearman
+from maskval import Evaluation, paper_threshold, recall_curve, spearman
 from sim.part_numbers import NOTHING
 
 METHODS = ("maskval", "ensemble-add", "oracle-mdd", "random")
@@ -106,7 +106,7 @@ def test_no_method_beats_the_oracle_and_chance_ranks_nothing() -> None:
 def test_ensemble_add_is_scaled_from_the_least_of_the_set_or_from_zero() -> None:
     one = judged()
     least = one.disagreement_m.min()
-    expected = np.clip((one.disagreement_m - least) / (EnsembleAdd(0.0).maximum_m - least), 0, 1)
+    expected = np.clip((one.disagreement_m - least) / (0.05 - least), 0, 1)
     assert evaluations(one, Rules())["ensemble-add"].u == pytest.approx(expected)
     from_zero = evaluations(one, Rules(ensemble_minimum="zero"))["ensemble-add"].u
     assert from_zero == pytest.approx(np.clip(one.disagreement_m / 0.05, 0, 1))

@@ -3,8 +3,7 @@ from pathlib import Path
 import pytest
 
 from experiments.errors import UsageError
-from experiments.methods import METHODS
-from experiments.thresholds import load_thresholds
+from experiments.thresholds import Thresholds, load_thresholds
 
 GOOD = """
 refine = 0.5
@@ -78,6 +77,11 @@ MALFORMED = {
     "minimum in words": (GOOD.replace("0.002", '"x"'), ["expected ensemble_add_minimum_m.mug in [0, 0.05) m, got 'x'"]),
     "minimum below 0": (GOOD.replace("0.002", "-1.0"), ["expected ensemble_add_minimum_m.mug in [0, 0.05) m, got -1"]),
     "minimum at its scale's end": (GOOD.replace("0.002", "0.05"), ["ensemble_add_minimum_m.mug in [0, 0.05) m"]),
+    "least error above 1": (
+        GOOD + "[least_error.mug]\nscore = 2\n",
+        ["expected least_error.mug.score in [0, 1], got 2"],
+    ),
+    "least error as a number": (GOOD.replace("[grasp", "least_error = 1\n[grasp"), ["a table is no table"]),
     "minimum as a number": ("refine = 0.5\nensemble_add_minimum_m = 1\n[grasp.mug]", ["[ensemble_add_minimum_m]"]),
 }
 
@@ -100,8 +104,32 @@ def test_a_file_that_is_no_text_is_refused(tmp_path: Path) -> None:
         load_thresholds(str(path))
 
 
-def test_the_paper_has_a_threshold_for_every_object_and_method_that_needs_one() -> None:
-    paper = load_thresholds("paper")
-    needing = [name for name in METHODS if name != "none"]
-    assert needing == ["ensemble-add", "maskval"]
-    assert all(0 < paper.of(part, name) < paper.refine for part in ("antenna", "handle") for name in needing)
+def test_what_is_told_goes_before_what_is_derived_and_that_before_the_least_error_and_the_methods_own() -> None:
+    mine = Thresholds("mine", 0.6, {"mug": {"a": 0.1}}, {}, least_error={"mug": {"b": 0.2}})
+    told = mine.with_told(["a=0.3", "my.own:Class=0"], ["a", "my.own:Class"])
+    assert [mine.of("mug", method, own=0.9) for method in ("a", "b", "c")] == [0.1, 0.2, 0.9]
+    assert [told.of("mug", method, own=0.9) for method in ("a", "b", "my.own:Class")] == [0.3, 0.2, 0.0]
+    assert [told.caveat("mug", method) is None for method in ("a", "b", "c", "my.own:Class")] == [
+        True,
+        False,
+        False,
+        True,
+    ]
+    assert "least error" in str(mine.caveat("mug", "b"))
+    assert "mine have none; it is the method's own" in str(mine.caveat("mug", "c"))
+
+
+@pytest.mark.parametrize(
+    ("option", "words"),
+    [
+        ("maskval", "METHOD=U of maskval, score, got 'maskval'"),
+        ("0.5", "METHOD=U of maskval, score, got '0.5'"),
+        ("depth=0.5", "METHOD=U of maskval, score, got 'depth=0.5'"),
+        ("maskval=much", r"U in \[0, 1\], got 'maskval=much'"),
+        ("maskval=1.5", r"U in \[0, 1\], got 'maskval=1.5'"),
+        ("maskval=nan", r"U in \[0, 1\], got 'maskval=nan'"),
+    ],
+)
+def test_a_threshold_of_ones_own_that_is_none_is_refused(option: str, words: str) -> None:
+    with pytest.raises(UsageError, match=words):
+        load_thresholds("paper").with_told([option], ["maskval", "score"])

@@ -3,18 +3,17 @@ import pytest
 
 from maskval import (
     UNMATCHED,
-    EnsembleAdd,
-    EnsembleMdd,
-    EnsembleRotation,
-    EnsembleTranslation,
+    Ensemble,
     Estimates,
     InvalidEstimatesError,
     InvalidMaskError,
     MaskVal,
+    Needs,
     NoUncertainty,
     Pose,
     associate,
     maskval_uncertainty,
+    needs_of,
     silhouette,
     uncertainty,
 )
@@ -80,7 +79,7 @@ def test_maskval_samples_pixels_where_the_masks_do() -> None:
 @pytest.mark.parametrize(("shift_m", "u"), [(0.005, 0.0), (0.01, 0.0), (0.02, 0.25), (0.05, 1.0), (0.3, 1.0)])
 def test_ensemble_add_scales_the_disagreement_and_clips_it(shift_m, u) -> None:
     other = Pose.from_translation((0, shift_m, 0)) @ AHEAD
-    found = EnsembleAdd(minimum_m=0.01)(estimates((AHEAD, AHEAD), (other, AHEAD)))
+    found = Ensemble(minimum=0.01)(estimates((AHEAD, AHEAD), (other, AHEAD)))
     np.testing.assert_allclose(found, [u, 0.0], rtol=0, atol=1e-12)
 
 
@@ -91,10 +90,10 @@ def test_ensembles_scale_their_own_disagreement() -> None:
     made = estimates((AHEAD, AHEAD), (turned, moved))
     radius = 0.05 * np.sqrt(2)
     for method, expected in (
-        (EnsembleAdd(0.0, 0.1), [2 * radius * np.sin(0.15) / 0.1, 0.05 / 0.1]),
-        (EnsembleMdd(0.0, 0.1), [2 * radius * np.sin(0.15) / 0.1, 0.05 / 0.1]),
-        (EnsembleTranslation(0.0, 0.1), [0, 0.05 / 0.1]),
-        (EnsembleRotation(0.1, 0.5), [(0.3 - 0.1) / (0.5 - 0.1), 0]),
+        (Ensemble("add", 0.0, 0.1), [2 * radius * np.sin(0.15) / 0.1, 0.05 / 0.1]),
+        (Ensemble("mdd", 0.0, 0.1), [2 * radius * np.sin(0.15) / 0.1, 0.05 / 0.1]),
+        (Ensemble("translation", 0.0, 0.1), [0, 0.05 / 0.1]),
+        (Ensemble("rotation", 0.1, 0.5), [(0.3 - 0.1) / (0.5 - 0.1), 0]),
     ):
         np.testing.assert_allclose(method(made), expected, rtol=0, atol=1e-12)
 
@@ -156,13 +155,9 @@ def test_poses_and_masks_of_other_numbers_have_no_known_association() -> None:
         uncertainty(shapes.square(), (AHEAD,), np.zeros((0, 480, 640), dtype=bool), VGA)
 
 
-def test_no_uncertainty_trusts_every_pose() -> None:
-    assert NoUncertainty()(estimates((AHEAD, AHEAD))).tolist() == [0.0, 0.0]
-
-
-@pytest.mark.parametrize("method", [NoUncertainty(), MaskVal(), EnsembleAdd(0.0)])
+@pytest.mark.parametrize("method", [NoUncertainty(), MaskVal(), Ensemble()])
 def test_every_method_says_how_many_estimators_it_needs_and_accepts_no_detections(method) -> None:
-    assert method.estimators == (2 if isinstance(method, EnsembleAdd) else 1)
+    assert needs_of(method) == Needs(estimators=2 if isinstance(method, Ensemble) else 1)
     assert method(estimates((), ())).shape == (0,)
 
 
@@ -187,10 +182,13 @@ MASK = np.zeros((1, 480, 640), dtype=bool)
         (lambda: Estimates(VGA, shapes.square(), MASK, ((AHEAD,),), np.ones(2)), r"finite and of shape \(1,\)"),
         (lambda: Estimates(VGA, shapes.square(), MASK, ((AHEAD,),), np.array([np.nan])), "finite and of shape"),
         (lambda: MaskVal(alpha=1.1), r"alpha must be in \[0, 1\], but is 1.1"),
-        (lambda: EnsembleAdd(0.05), "0 <= minimum < maximum, but are 0.05 and 0.05"),
-        (lambda: EnsembleAdd(-0.01), "0 <= minimum < maximum, but are -0.01"),
-        (lambda: EnsembleAdd(0.0)(estimates((AHEAD,))), "an ensemble needs 2 estimators, but the estimates hold 1"),
-        (lambda: EnsembleRotation(1.0, 0.5), "0 <= minimum < maximum, but are 1.0 and 0.5"),
+        (lambda: Ensemble("add", 0.05), "0 <= minimum < maximum, but are 0.05 and 0.05"),
+        (lambda: Ensemble("add", -0.01), "0 <= minimum < maximum, but are -0.01"),
+        (lambda: Ensemble()(estimates((AHEAD,))), "an ensemble needs 2 estimators, but the estimates hold 1"),
+        (lambda: Ensemble("rotation", 1.0, 0.5), "0 <= minimum < maximum, but are 1.0 and 0.5"),
+        (lambda: Ensemble("scale"), "one of add, mdd, translation, rotation, but is 'scale'"),
+        (lambda: Needs(estimators=0), "whole number >= 1, but is 0"),
+        (lambda: Needs(estimators=1.5), "whole number >= 1, but is 1.5"),
         (lambda: associate(IOU[0], "greedy"), r"shape \(N, K\)"),
         (lambda: associate(2 * IOU, "greedy"), r"values in \[0, 1\]"),
         (lambda: associate(IOU, "best"), "'known', 'greedy' or 'optimal', but is 'best'"),

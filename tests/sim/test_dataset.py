@@ -5,7 +5,7 @@ import pytest
 from numpy.typing import NDArray
 
 from maskval import Camera, Mesh, Pose, mdd
-from sim.dataset import ImageTruth, Recipe, clutter_shapes, draw_numbers, make_image
+from sim.dataset import ImageTruth, Recipe, clutter_shapes, draw_nearest, make_image
 from sim.dataset_estimates import ImageEstimates, estimate_image
 from sim.latents import Streams
 from sim.noise import PartNoise, load_noise
@@ -88,9 +88,15 @@ def test_numbers_and_visibilities_are_those_of_rays(handle: PartModel) -> None:
 def test_the_nearer_body_is_seen_in_any_order_and_clutter_is_no_part() -> None:
     box = clutter_shapes()[0]
     near, far = Pose.from_translation((0.05, 0, 0.5)), Pose.from_translation((0, 0, 0.8))
-    numbers = draw_numbers([(box, far, 0), (box, near, 1)], CAMERA)
-    assert np.array_equal(numbers, draw_numbers([(box, near, 1), (box, far, 0)], CAMERA))
-    hidden = draw_numbers([(box, far, 0), (box, near, NOTHING)], CAMERA)
+    numbers, depth = draw_nearest([(box, far, 0), (box, near, 1)], CAMERA)
+    for same, other in zip((numbers, depth), draw_nearest([(box, near, 1), (box, far, 0)], CAMERA), strict=True):
+        assert np.array_equal(same, other)
+    hidden, same = draw_nearest([(box, far, 0), (box, near, NOTHING)], CAMERA)
+    assert np.array_equal(same, depth)
+    # The boxes are 50 mm high and upright: their tops are 25 mm nearer than their middles.
+    assert depth[numbers == 1].min() == pytest.approx(0.475, abs=1e-6)
+    assert depth[numbers == 0].min() == pytest.approx(0.775, abs=1e-6)
+    assert np.array_equal(depth == 0, numbers == NOTHING)
     assert set(np.unique(numbers)) == {NOTHING, 0, 1}
     assert np.array_equal(hidden == 0, numbers == 0)
     assert not (hidden == 1).any()
