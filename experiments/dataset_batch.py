@@ -14,7 +14,7 @@ from experiments.errors import UsageError
 from experiments.methods import Context, make_uncertainty
 from experiments.thresholds import Thresholds
 from maskval import Camera, Estimates, Mesh, UncertaintyMethod, add, mdd, needs_of
-from sim.dataset import ImageTruth, Recipe, make_image
+from sim.dataset import ImageTruth, Recipe, draw_nearest, make_image
 from sim.dataset_estimates import NETWORKS, ImageEstimates, estimate_image
 from sim.latents import Streams
 from sim.noise import load_noise
@@ -97,7 +97,7 @@ def run_batch(task: BatchTask) -> tuple[Judged, Matches]:
         truth = make_image(mesh, camera, Recipe(), streams)
         estimates = estimate_image(truth, mesh, camera, noise, streams)
         _annotate(annotations, truth, estimates, task.annotated_visibility)
-        booth.keep(FrameTruth(number, truth.part_numbers, truth.X_CO_true))
+        booth.keep(FrameTruth(number, truth.part_numbers, truth.X_CO_true, camera))
         images.append(_judge(truth, estimates, mesh, camera, methods))
     return Judged.join(images), annotations.matches()
 
@@ -133,6 +133,7 @@ def _judge(
     truth: ImageTruth, found: ImageEstimates, mesh: Mesh, camera: Camera, methods: dict[str, UncertaintyMethod]
 ) -> Judged:
     first, second = found.poses
+    depth = any(needs_of(method).depth for method in methods.values())
     shown = [truth.X_CO_true[part] if part != NOTHING else None for part in found.parts]
     errors = (
         np.inf if X_true is None else mdd(X_est, X_true, mesh.vertices)
@@ -145,7 +146,7 @@ def _judge(
         poses=found.poses,
         scores=np.array([one.score for one in found.detections]),
         pixel_center=PIXEL_CENTER,
-        depth=truth.depth if any(needs_of(method).depth for method in methods.values()) else None,
+        depth=draw_nearest(truth.bodies, camera)[1] if depth else None,
     )
     return Judged(
         poses=np.array([len(first)]),

@@ -6,6 +6,7 @@ counts. An image is a function of the streams' seed, experiment (its number) and
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 
@@ -18,6 +19,7 @@ from sim.latents import Streams
 from sim.part_numbers import NOTHING, PIXEL_CENTER, shown_part
 
 Array = NDArray[np.float64]
+Body = tuple[Mesh, Pose, int]  # its shape, X_CO and number
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,20 +43,20 @@ class ImageTruth:
 
     Attributes:
         part_numbers: (H, W) int8, the part that each pixel shows, `NOTHING` where it shows none.
-        depth: (H, W) float32, exact z-depth of parts and clutter in m, 0 where there is neither.
+        bodies: parts and clutter, as `draw_nearest` takes them.
         X_CO_true: true pose of every part.
         visibility: visible share of every part's whole silhouette: occlusion and the image's border, (P,) in [0, 1].
         in_view: share of it inside the image, whoever hides it, (P,) in [0, 1].
     """
 
     part_numbers: NDArray[np.int8]
-    depth: NDArray[np.float32]
+    bodies: tuple[Body, ...]
     X_CO_true: tuple[Pose, ...]
     visibility: Array
     in_view: Array
 
     def __post_init__(self) -> None:
-        for array in (self.part_numbers, self.depth, self.visibility, self.in_view):
+        for array in (self.part_numbers, self.visibility, self.in_view):
             array.setflags(write=False)
 
     def mask(self, part: int) -> NDArray[np.bool_]:
@@ -81,27 +83,27 @@ def make_image(mesh: Mesh, camera: Camera, recipe: Recipe, streams: Streams) -> 
     clutter = rng.integers(*recipe.clutter, endpoint=True)
     poses = tuple(_anywhere(mesh, camera, recipe, rng) for _ in range(parts))
     others = [clutter_shapes()[i] for i in rng.integers(len(clutter_shapes()), size=clutter)]
-    numbers, depth = draw_nearest(
-        [(mesh, X_CO, part) for part, X_CO in enumerate(poses)]
-        + [(other, _anywhere(other, camera, recipe, rng), NOTHING) for other in others],
-        camera,
+    bodies = (
+        *((mesh, X_CO, part) for part, X_CO in enumerate(poses)),
+        *((other, _anywhere(other, camera, recipe, rng), NOTHING) for other in others),
     )
+    numbers, _ = draw_nearest(bodies, camera)
     whole = [silhouette(mesh, X_CO, camera, pixel_center=PIXEL_CENTER) for X_CO in poses]
     seen_px = np.bincount(numbers.ravel() + 1, minlength=parts + 1)[1:]
     return ImageTruth(
         part_numbers=numbers,
-        depth=depth,
+        bodies=bodies,
         X_CO_true=poses,
         visibility=np.minimum(1.0, seen_px / np.maximum(1, [one.area_px for one in whole])),
         in_view=np.array([one.visibility for one in whole]),
     )
 
 
-def draw_nearest(bodies: list[tuple[Mesh, Pose, int]], camera: Camera) -> tuple[NDArray[np.int8], NDArray[np.float32]]:
+def draw_nearest(bodies: Sequence[Body], camera: Camera) -> tuple[NDArray[np.int8], NDArray[np.float32]]:
     """Number and z-depth (m) of the nearest body at each pixel, (H, W); `NOTHING` and 0 where there is none.
 
     Args:
-        bodies: Shape, X_CO and number of each body; of equally near ones the first is seen.
+        bodies: Of equally near ones the first is seen.
         camera: Intrinsics and image size.
     """
     nearest = np.full((camera.height, camera.width), np.inf, dtype=np.float32)

@@ -17,7 +17,7 @@ def booth() -> TruthBooth:
     for part, mask in enumerate(MASKS):
         numbers[mask] = part
     made = TruthBooth()
-    made.keep(FrameTruth(0, numbers, TRUE))
+    made.keep(FrameTruth(0, numbers, TRUE, VGA))
     return made
 
 
