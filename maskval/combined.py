@@ -28,12 +28,7 @@ class Combined:
     @property
     def needs(self) -> Needs:
         """What all of its methods need together."""
-        each = [needs_of(method) for method in self.methods]
-        return Needs(
-            estimators=max(needs.estimators for needs in each),
-            depth=any(needs.depth for needs in each),
-            X_BC=any(needs.X_BC for needs in each),
-        )
+        return Needs.together(*map(needs_of, self.methods))
 
     def __call__(self, estimates: Estimates) -> NDArray[np.float64]:
         """The combined u of each pose, (N,), in [0, 1]."""

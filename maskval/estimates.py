@@ -1,7 +1,7 @@
 """What an uncertainty method is given, and what it must offer."""
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -96,6 +96,15 @@ class Needs:
     def __post_init__(self) -> None:
         if not isinstance(self.estimators, int) or self.estimators < 1:
             raise InvalidEstimatesError(f"estimators must be a whole number >= 1, but is {self.estimators!r}")
+
+    @classmethod
+    def together(cls, *each: Self) -> Self:
+        """What serves all of them."""
+        return cls(
+            estimators=max((needs.estimators for needs in each), default=1),
+            depth=any(needs.depth for needs in each),
+            X_BC=any(needs.X_BC for needs in each),
+        )
 
 
 class UncertaintyMethod(Protocol):

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from cell.interfaces import Observation
 from cell.perception import Perception
-from maskval import Camera, Estimates, Pose, UncertaintyMethod, silhouette
+from maskval import Camera, Estimates, Needs, Pose, UncertaintyMethod, needs_of, silhouette
 from sim.env_options import EnvOptions
 from sim.part_numbers import PIXEL_CENTER
 
@@ -112,11 +112,11 @@ class DetectionEncoder:
 
 
 class AllMethods:
-    """Implements `maskval.UncertaintyMethod` with the first of several, and has the networks run that any needs."""
+    """Implements `maskval.UncertaintyMethod` with the first of several, and has taken and run what any needs."""
 
     def __init__(self, methods: dict[str, UncertaintyMethod]) -> None:
         self._first = next(iter(methods.values()))
-        self.estimators = max(method.estimators for method in methods.values())
+        self.needs = Needs.together(*map(needs_of, methods.values()))
 
     def __call__(self, estimates: Estimates) -> Array:
         """The first method's u, (N,)."""

@@ -7,7 +7,7 @@ from typing import get_args
 
 from cell.interfaces import Image, Outcome
 from cell.speed import PRESETS
-from maskval import EnsembleAdd, MaskVal, NoUncertainty, UncertaintyMethod
+from maskval import Ensemble, MaskVal, NoUncertainty, UncertaintyMethod
 from sim.conditions import Conditions
 from sim.errors import EnvOptionError
 from sim.estimators import Kind
@@ -16,7 +16,7 @@ from sim.estimators import Kind
 METHODS: dict[str, UncertaintyMethod] = {
     "none": NoUncertainty(),
     "maskval": MaskVal(),
-    "ensemble-add": EnsembleAdd(minimum_m=0.0),
+    "ensemble-add": Ensemble("add"),
 }
 IMAGES = ("rgb", "depth", "masks")
 

@@ -11,7 +11,7 @@ from gymnasium.utils.env_checker import check_env
 from cell.interfaces import Outcome
 from experiments.experiment import ExperimentSpec, run_experiment
 from experiments.thresholds import load_thresholds
-from maskval import Estimates, MaskVal, NoUncertainty, Pose
+from maskval import Estimates, MaskVal, Needs, NoUncertainty, Pose
 from policies import Threshold
 from sim.env import SEARCH, GraspCellEnv
 from sim.env_options import EnvOptions, Rewards
@@ -230,7 +230,7 @@ def test_no_truth_is_told_unless_it_is_asked_for() -> None:
 class Doubling:
     """A method of one's own that needs a second network."""
 
-    estimators = 2
+    needs = Needs(estimators=2)
 
     def __call__(self, estimates: Estimates) -> Any:
         return np.full(len(estimates), 0.25)
