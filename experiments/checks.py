@@ -30,19 +30,17 @@ def check_cell(parts: int, seed: int, speed: str) -> None:
 
 def check_part_and_method(part: str, method: str, thresholds: "Thresholds") -> str:
     """The part's name; raises UsageError unless part, error model, method and threshold exist."""
-    from experiments.methods import Context, make_method
+    from experiments.methods import known_method
     from sim.errors import SimError
-    from sim.latents import Streams
     from sim.noise import load_noise
     from sim.parts import load_part
-    from sim.truth import TruthBooth
 
     try:
         model = load_part(part)
         load_noise(model.noise)
     except SimError as error:
         raise UsageError(str(error)) from error
-    make_method(method, Context(model.part, thresholds, Streams(0, 0, model.part.name), TruthBooth()))
+    known_method(method, model.part, thresholds)
     return model.part.name
 
 

@@ -119,6 +119,15 @@ def make_method(name: str, context: Context) -> Method:
     return Method(uncertainty, Threshold(u_grasp, thresholds.refine))
 
 
+def known_method(name: str, part: Part, thresholds: Thresholds) -> Method:
+    """The method outside of an experiment: to see whether there is one, and what it needs.
+
+    Raises:
+        UsageError: see `make_method`.
+    """
+    return make_method(name, Context(part, thresholds, Streams(0, 0, part.name), TruthBooth()))
+
+
 def own_threshold(uncertainty: UncertaintyMethod) -> float | None:
     """The u_t,g that a method brings along as its attribute `u_grasp`, for want of a derived one."""
     u_grasp: float | None = getattr(uncertainty, "u_grasp", None)

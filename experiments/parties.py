@@ -33,7 +33,7 @@ class Parties:
         """Raises UsageError unless all of them exist, for a part and a method that do."""
         from cell.layout import Layout
         from experiments.estimators import check_estimator
-        from experiments.methods import make_method
+        from experiments.methods import known_method
         from experiments.policy import make_policy
         from sim.parts import load_part
 
@@ -41,4 +41,4 @@ class Parties:
             raise UsageError(f"expected --time-limit above 0 s, got {self.time_limit:g}")
         check_estimator(self.estimator, self.recorded)
         known = load_part(part).part
-        make_policy(self.policy, make_method(method, known.name, thresholds), known, Layout(), thresholds.refine)
+        make_policy(self.policy, known_method(method, known, thresholds), known, Layout(), thresholds.refine)

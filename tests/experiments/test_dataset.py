@@ -11,12 +11,10 @@ from experiments import dataset_config
 from experiments.dataset_batch import BatchTask, Judged, run_batch
 from experiments.dataset_coco import Matches
 from experiments.dataset_metrics import ERRORS_M
-from experiments.methods import Context, make_method
+from experiments.methods import known_method
 from experiments.thresholds import load_thresholds
 from maskval import Ensemble
-from sim.latents import Streams
 from sim.parts import load_part
-from sim.truth import TruthBooth
 from tests.experiments.command import Told, command
 
 METHODS = ["maskval", "ensemble-add", "oracle-mask", "oracle-mdd", "random"]
@@ -124,8 +122,7 @@ def test_compare_takes_the_derived_thresholds(capsys: pytest.CaptureFixture[str]
     for row in json.loads((tmp_path / "dataset.json").read_text())["objects"]:
         for name in ("maskval", "ensemble-add"):
             assert thresholds.of(row["object"], name) == row["methods"][name]["u_tg"]
-        model, streams = load_part(row["object"]), Streams(0, 0, row["object"])
-        method = make_method("ensemble-add", Context(model.part, thresholds, streams, TruthBooth()))
+        method = known_method("ensemble-add", load_part(row["object"]).part, thresholds)
         assert method.uncertainty == Ensemble("add", row["ensemble_add_minimum_m"])
     assert thresholds.refine == load_thresholds("paper").refine
 
