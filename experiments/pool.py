@@ -3,9 +3,11 @@
 import multiprocessing
 import os
 import signal
+import threading
 from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
+from multiprocessing.connection import wait
 from typing import Any, TypeVar
 
 Task = TypeVar("Task")
@@ -39,7 +41,7 @@ def workers(jobs: int) -> Iterator[Run]:
     # One thread per worker: the workers themselves fill the cores. Spawned, because OpenGL does not survive a fork.
     os.environ.setdefault("OMP_NUM_THREADS", "1")
     before = set(multiprocessing.active_children())
-    pool = ProcessPoolExecutor(jobs, mp_context=multiprocessing.get_context("spawn"))
+    pool = ProcessPoolExecutor(jobs, multiprocessing.get_context("spawn"), initializer=_end_with_parent)
 
     def run(job: Callable[[Task], Result], tasks: Sequence[Task]) -> Iterator[Result]:
         with _interrupts_ignored():
@@ -55,6 +57,14 @@ def workers(jobs: int) -> Iterator[Run]:
         raise
     finally:
         pool.shutdown()
+
+
+def _end_with_parent() -> None:
+    """Ends this process when the one that began it is gone, however that ended: else it would work on for nobody."""
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        sentinel = parent.sentinel
+        threading.Thread(target=lambda: (wait([sentinel]), os._exit(1)), daemon=True).start()
 
 
 @contextmanager

@@ -2,7 +2,9 @@ import multiprocessing
 import os
 import signal
 import time
+from collections.abc import Callable
 from concurrent.futures.process import BrokenProcessPool
+from pathlib import Path
 
 import pytest
 
@@ -62,3 +64,40 @@ def test_closing_early_ends_the_workers_and_what_has_begun() -> None:
 def test_a_worker_that_dies_is_an_error_and_no_wait_without_end() -> None:
     with pytest.raises(BrokenProcessPool):
         list(run_all(killed, [0, 1, 2, 3], 2))
+
+
+def tells_its_process(folder: str) -> None:
+    (Path(folder) / str(os.getpid())).touch()
+    time.sleep(60)
+
+
+def begins_and_is_killed(folder: str) -> None:
+    stream = run_all(tells_its_process, [folder] * 4, 2)
+    next(stream)
+
+
+def test_workers_end_when_the_process_that_began_them_is_killed(tmp_path: Path) -> None:
+    context = multiprocessing.get_context("spawn")
+    parent = context.Process(target=begins_and_is_killed, args=(str(tmp_path),))
+    parent.start()
+    wait_until(lambda: len(list(tmp_path.iterdir())) == 2)
+    workers = [int(path.name) for path in tmp_path.iterdir()]
+    assert all(map(is_alive, workers))
+    parent.kill()
+    parent.join()
+    wait_until(lambda: not any(map(is_alive, workers)))
+
+
+def is_alive(process: int) -> bool:
+    """Whether it runs; a process that ended and that nobody has asked about, a zombie, does not."""
+    try:
+        return Path(f"/proc/{process}/stat").read_text().rsplit(")", 1)[1].split()[0] != "Z"
+    except FileNotFoundError:
+        return False
+
+
+def wait_until(holds: Callable[[], bool]) -> None:
+    end = time.monotonic() + 30
+    while not holds():
+        assert time.monotonic() < end, "waited for 30 s"
+        time.sleep(0.05)
