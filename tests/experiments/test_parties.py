@@ -9,10 +9,11 @@ import pyarrow.parquet as pq
 import pytest
 
 from experiments.experiment import ExperimentSpec, run_experiment
-from experiments.methods import make_method
+from experiments.methods import known_method
 from experiments.policy import make_policy
 from experiments.thresholds import load_thresholds
 from policies import POLICIES, Fuse, Patient, Threshold
+from sim.parts import load_part
 from tests.experiments.command import Told, command
 from tests.experiments.own import folder_with
 from tests.fakes import policy_setup, run_cycle
@@ -186,14 +187,14 @@ def test_estimators_from_elsewhere_see_for_the_robot(capsys: pytest.CaptureFixtu
 
 def test_a_policy_is_made_anew_for_every_experiment_and_the_methods_own_is_the_default() -> None:
     thresholds = load_thresholds("paper")
-    method = make_method("maskval", "handle", thresholds)
+    method = known_method("maskval", load_part("handle").part, thresholds)
     setup = policy_setup()
     made = [make_policy("patient", method, setup.part, setup.layout, thresholds.refine) for _ in range(2)]
     assert all(isinstance(policy, Patient) for policy in made)
     assert made[0] is not made[1]
     assert make_policy(None, method, setup.part, setup.layout, 0.6) == Threshold(0.55, 0.6)
     assert make_policy("threshold", method, setup.part, setup.layout, 0.9) == Threshold(0.55, 0.6)
-    unsure = make_method("none", "handle", thresholds)
+    unsure = known_method("none", load_part("handle").part, thresholds)
     assert make_policy("threshold", unsure, setup.part, setup.layout, 0.9) == Threshold(0.0, 0.9)
 
 
