@@ -1,7 +1,7 @@
 """`graspcell calibrate`: the error model's parameters from the paper's dataset tables."""
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass, replace
 from functools import partial
@@ -26,10 +26,11 @@ from sim.parts import load_part
 WORKER_DIED = 1  # the exit code
 DETECTOR_IMAGES = 2_000  # are enough for mask figures, which are far steadier than those of poses
 UNREACHED = 100.0  # misses in sd of a figure that does not exist, so that the fit turns back
+GROUPS = {"mask": ("mask",), "pose": ("maskval", "ensemble-add")}  # of targets, by section of the noise file
 ACCEPTED = 3.0  # sd of each target within which a parameter set is as good as the fit
 
 Array = NDArray[np.float64]
-Figures = dict[tuple[str, str], float | None]  # by group and figure, as the targets
+Figures = Mapping[tuple[str, str], float | None]  # by group and figure, as the targets
 
 
 def calibrate(config: Calibrate) -> int:
@@ -41,7 +42,7 @@ def calibrate(config: Calibrate) -> int:
     config.check()
     folder = writable_folder(config.out)
     model = load_part(config.part)
-    noise = load_noise(model.noise)
+    noise = load_noise(config.start or model.noise)
     calibration = load_calibration(config.targets or model.part.name, noise)
     try:
         with workers(config.workers) as run, tqdm(unit="trial", dynamic_ncols=True) as progress:
@@ -73,7 +74,7 @@ class _Bench:
 
     def figures(self, models: Sequence[PartNoise], *, methods: bool) -> list[Figures]:
         """The figures that each error model gives."""
-        found = []
+        found: list[Figures] = []
         for of_masks, of_methods in self.run(run_trial, [Trial(self.images, one, methods) for one in models]):
             groups = {"mask": of_masks, **of_methods}
             found.append(
@@ -86,14 +87,14 @@ class _Bench:
 def _fit(bench: _Bench, calibration: Calibration, noise: PartNoise, config: Calibrate) -> Fitted:
     """First the detector, whose figures hang on its own parameters alone, then the pose networks behind it."""
     fits: dict[str, Fit] = {}
-    groups = {"mask": ("mask",), "pose": ("maskval", "ensemble-add")}
-    for section, names in groups.items():
+    for section, names in GROUPS.items():
         priors, targets = calibration.priors_of(section), calibration.targets_of(*names)
         if not priors or not targets:
             continue
         misses = partial(_misses, bench.small() if section == "mask" else bench, noise, priors, targets)
         bench.progress.set_description(section)
-        fits[section] = fit(misses, len(priors), config.rounds)
+        start = [prior.z(noise.number(prior.name)) if config.start else 0.0 for prior in priors]
+        fits[section] = fit(misses, np.array(start), config.rounds)
         noise = noise.changed(values_at(priors, fits[section].z))
     bench.progress.set_description("ensemble")
     reached = bench.figures([noise], methods=True)[0]
@@ -122,16 +123,32 @@ def miss(targets: Sequence[Target], figures: Figures) -> Array:
 def _draw(
     bench: _Bench, calibration: Calibration, noise: PartNoise, fits: dict[str, Fit], config: Calibrate
 ) -> list[Member]:
-    """Parameter sets as probable as the targets leave them, each tried on the images."""
+    """Parameter sets as probable as the targets leave them, tried on the images, corrected once and tried again."""
     rng = np.random.default_rng(np.random.SeedSequence(config.seed, spawn_key=(2,)))
-    drawn = {section: fitted.draw(config.draws, rng) for section, fitted in fits.items()}
+    drawn = [
+        dict(zip(fits, row, strict=True))
+        for row in zip(*(one.draw(config.draws, rng) for one in fits.values()), strict=True)
+    ]
+    tried = _try(bench, calibration, noise, drawn)
+    drawn = [
+        {
+            section: one.corrected(z[section], miss(calibration.targets_of(*GROUPS[section]), member.figures))
+            for section, one in fits.items()
+        }
+        for z, member in zip(drawn, tried, strict=True)
+    ]
+    return _try(bench, calibration, noise, drawn)
+
+
+def _try(bench: _Bench, calibration: Calibration, noise: PartNoise, drawn: Sequence[dict[str, Array]]) -> list[Member]:
+    """The parameter sets at points given by section."""
     sets = [
         {
             name: value
-            for section in fits
-            for name, value in values_at(calibration.priors_of(section), drawn[section][index]).items()
+            for section, z in one.items()
+            for name, value in values_at(calibration.priors_of(section), z).items()
         }
-        for index in range(config.draws)
+        for one in drawn
     ]
     tried = bench.figures([noise.changed(values) for values in sets], methods=True)
     return [

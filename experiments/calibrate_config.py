@@ -22,12 +22,14 @@ class Calibrate:
     """Part: a name, or a TOML file of your own."""
     targets: str | None = None
     """Targets and priors: a preset or a TOML file of the same form; by default the preset of the part's name."""
+    start: str | None = None
+    """A noise file to begin with, an earlier result; the middle of the priors by default."""
     images: int = 6_000
     """Images to fit on."""
     seed: int = 1
     """Root of all random numbers; another one than `dataset`'s, so that its images are new to the fit."""
     rounds: int = 6
-    """Steps of each fit at most."""
+    """Steps of each fit at most; 1 stays where it begins."""
     draws: int = 20
     """Parameter sets to draw around the fit and to try."""
     jobs: int = 0
@@ -61,7 +63,7 @@ class Calibrate:
             at_least(name, value, least)
         try:
             model = load_part(self.part)
-            noise = load_noise(model.noise)
+            noise = load_noise(self.start or model.noise)
         except SimError as error:
             raise UsageError(str(error)) from error
         load_calibration(self.targets or model.part.name, noise)

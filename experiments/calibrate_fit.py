@@ -57,15 +57,27 @@ class Fit:
         drawn: Array = rng.multivariate_normal(self.z, self.covariance, size=count)
         return drawn
 
+    def corrected(self, z: Array, misses: Array) -> Array:
+        """A draw moved to where it misses what it was drawn to miss: figures are curved, the covariance is not.
 
-def fit(misses: Misses, parameters: int, rounds: int) -> Fit:
+        Args:
+            z: The draw, (D,).
+            misses: What it misses, (T,).
+        """
+        meant = self.misses + self.jacobian @ (z - self.z)
+        moved: Array = z - self.covariance @ self.jacobian.T @ (misses - meant)
+        return moved
+
+
+def fit(misses: Misses, start: Array, rounds: int) -> Fit:
     """The most probable parameters.
 
     Args:
         misses: The misses of many sets of parameters; they may be worked out at the same time.
-        parameters: D.
-        rounds: At most this many steps.
+        start: Where to begin, (D,).
+        rounds: At most this many steps; 1 stays at the start and only takes the Jacobian there.
     """
+    parameters = len(start)
     taken = 0
     last: tuple[Array, Array] | None = None
 
@@ -81,6 +93,6 @@ def fit(misses: Misses, parameters: int, rounds: int) -> Fit:
         ahead = np.array(misses(list(z + STEP * np.eye(parameters))))
         return np.vstack(((ahead - here).T / STEP, np.eye(parameters)))
 
-    found = least_squares(residuals, np.zeros(parameters), jac=jacobian, xtol=_ARRIVED, ftol=_ARRIVED, max_nfev=rounds)
+    found = least_squares(residuals, start, jac=jacobian, xtol=_ARRIVED, ftol=_ARRIVED, max_nfev=rounds)
     targets = len(found.fun) - parameters
     return Fit(found.x, found.fun[:targets], found.jac[:targets], taken)

@@ -72,6 +72,15 @@ class Prior:
             return math.tanh(x)
         return min(high, 1.0 / (1.0 + math.exp(-x)) if high <= 1.0 else math.exp(x))
 
+    def z(self, value: float) -> float:
+        """How many standard deviations above the middle a value is.
+
+        Raises:
+            ValueError: it lies at an end of the parameter's range.
+        """
+        ends = bounds(self.name)
+        return (_coordinate(value, *ends) - _coordinate(self.center, *ends)) / self.spread
+
 
 @dataclass(frozen=True, slots=True)
 class Calibration:
@@ -161,7 +170,7 @@ def _coordinate(value: float, low: float, high: float) -> float:
     """The coordinate without ends of a parameter within its bounds."""
     least = -1.0 if low < 0.0 else 0.0
     if not least < value < (1.0 if high <= 1.0 else math.inf):
-        raise ValueError(f"a center must lie inside its parameter's range, not at its end, but is {value:g}")
+        raise ValueError(f"expected a value inside its parameter's range, not at its end, came {value:g}")
     if low < 0.0:
         return math.atanh(value)
     return math.log(value / (1.0 - value)) if high <= 1.0 else math.log(value)

@@ -46,6 +46,8 @@ def test_a_prior_is_normal_in_the_logarithm_the_logit_or_the_artanh() -> None:
     odds = 0.2 / 0.8 * math.exp(-0.7)
     assert share.value(-1.0) == pytest.approx(odds / (1 + odds))
     assert math.atanh(correlation.value(1.5)) == pytest.approx(math.atanh(0.3) + 0.6)
+    for prior in (size, share, correlation):
+        assert prior.z(prior.value(-0.7)) == pytest.approx(-0.7)
 
 
 def test_no_number_of_standard_deviations_leaves_a_parameters_range() -> None:
