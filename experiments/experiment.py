@@ -14,7 +14,7 @@ from cell.setup import EstimatorSetup
 from cell.speed import PRESETS
 from experiments.errors import UsageError
 from experiments.estimators import choose_estimators
-from experiments.methods import Context, Method, make_method
+from experiments.methods import Context, make_method
 from experiments.policy import make_policy, policy_name
 from experiments.recorder import Recorder, Row
 from experiments.thresholds import Thresholds
@@ -105,8 +105,6 @@ def run_experiment(spec: ExperimentSpec, tell: Callable[[object, TruthBooth], No
         if tell is not None:
             tell(record, booth)
 
-    method = _make_method(spec, model, booth)
-    policy = policy_name(spec.policy, method)
     # What fails here fails for every experiment, and is no result of this one.
     bench(*spec.cell)
     count, failure = None, None
@@ -114,7 +112,7 @@ def run_experiment(spec: ExperimentSpec, tell: Callable[[object, TruthBooth], No
         count = make_cycle(spec, model, booth, listen).run()
     except (CellError, SimError, MaskvalError, UsageError) as error:
         failure = f"{type(error).__name__}: {error}"
-    recorder.finish(spec.seed, spec.estimator, policy, count, failure)
+    recorder.finish(spec.seed, spec.estimator, policy_name(spec.policy, spec.method), count, failure)
     return Result(spec, count, failure, recorder.tables)
 
 
@@ -127,7 +125,7 @@ def make_cycle(
 ) -> Cycle:
     """The cell, set up and reset, with everything that one experiment needs; `estimators` replace the spec's."""
     streams = Streams(spec.seed, spec.experiment, model.part.name)
-    method = _make_method(spec, model, booth)
+    method = make_method(spec.method, Context(model.part, spec.thresholds, streams, booth))
     here = bench(*spec.cell)
     layout, part = here.world.layout, model.part
     policy = make_policy(spec.policy, method, part, layout, spec.thresholds.refine)
@@ -150,8 +148,3 @@ def make_cycle(
         ),
         listener=listen,
     )
-
-
-def _make_method(spec: ExperimentSpec, model: PartModel, booth: TruthBooth) -> Method:
-    streams = Streams(spec.seed, spec.experiment, model.part.name)
-    return make_method(spec.method, Context(model.part, spec.thresholds, streams, booth))

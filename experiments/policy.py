@@ -9,9 +9,9 @@ from experiments.plugins import chosen, make_object
 from policies import POLICIES, Threshold
 
 
-def policy_name(name: str | None, method: Method) -> str:
-    """The name under which a policy is written down; None stands for the method's own."""
-    return name or ("threshold" if isinstance(method.policy, Threshold) else "always")
+def policy_name(name: str | None, method: str) -> str:
+    """The name under which a policy is written down; None stands for the own one of the method of this name."""
+    return name or ("always" if method == "none" else "threshold")
 
 
 def make_policy(name: str | None, method: Method, part: Part, layout: Layout, refine: float) -> Policy:

@@ -25,7 +25,7 @@ def experiments(out: str) -> dict[str, Any]:
 
 def test_each_class_is_written_in_less_than_25_lines() -> None:
     lengths = {name: sum(map(bool, code.splitlines())) for name, code in FILES.items() if name.endswith(".py")}
-    assert sorted(lengths) == ["my_estimator.py", "my_policy.py"]
+    assert sorted(lengths) == ["my_estimator.py", "my_method.py", "my_policy.py"]
     assert max(lengths.values()) < 25
 
 
@@ -34,7 +34,7 @@ def test_every_class_runs_through_compare_as_the_page_says(tmp_path: Path, monke
     with folder_with(tmp_path, modules, monkeypatch):
         for name, code in FILES.items():
             Path(name).write_text(code)
-        assert len(COMMANDS) == 3
+        assert len(COMMANDS) == 4
         for line in COMMANDS:
             graspcell, *arguments = shlex.split(line)
             assert graspcell == "graspcell"
@@ -43,5 +43,6 @@ def test_every_class_runs_through_compare_as_the_page_says(tmp_path: Path, monke
         assert experiments("out/policy")["policy"] == "my_policy:Hurry"
         assert experiments("out/seeing")["estimator"] == "my_estimator:DepthBlobs"
         assert experiments("out/seeing")["tp"] > 0, "no part of two was placed"
+        assert experiments("out/method")["method"] == "my_method:CenterDistance"
         replayed = experiments("out/replay")
         assert {**replayed, "estimator": "noisy"} == experiments("out/policy")

@@ -80,6 +80,13 @@ class Deaf:
         self.detector = self.pose_estimators = (setup,)
 
 
+class Doubting:
+    u_grasp = 0.5
+
+    def __call__(self, estimates):
+        return 1.5 + np.zeros(len(estimates))
+
+
 class Halting:
     def __init__(self, setup):
         pass
@@ -127,6 +134,7 @@ FAILING = {  # what is named, which kind of party, and why the experiment failed
         "--estimator",
         "EstimatorError: Garbling on frame 1: expected pose 0 to be a maskval.Pose, got ndarray",
     ),
+    "Doubting": ("--methods", "EstimatorError: Doubting on frame 1: expected 1 uncertainties in [0, 1], got [1.5]"),
     "Halting": ("--policy", "PolicyError: Halting on frame 1: raised RuntimeError: no idea"),
     "Stuck": ("--policy", "PolicyError: Stuck on frame 1: took longer than 0.5 s"),
     "Vague": ("--policy", "PolicyError: Vague on frame 1: expected a cell.interfaces.Decision, got str"),
@@ -138,15 +146,16 @@ def test_who_fails_is_reported_by_name_and_frame_and_ends_nothing_but_its_experi
     capsys: pytest.CaptureFixture[str], name: str
 ) -> None:
     option, reason = FAILING[name]
-    told = compared(capsys, option, f"own:{name}", "--time-limit", 0.5)
+    sees = () if option == "--estimator" else ("--estimator", "own:Seeing")
+    told = compared(capsys, option, f"own:{name}", *sees, "--time-limit", 0.5)
     assert told.code == 3
     for experiment in (0, 1):
-        assert f"failed: handle × none, experiment {experiment}: {reason}" in told.out
+        assert f"experiment {experiment}: {reason}" in told.out
     assert [row["failure"].startswith(reason) for row in rows("experiments")] == [True, True]
     last = [row for row in rows("frames") if row["experiment"] == 1][-1]
     assert f"on frame {last['frame']}" in reason
     assert last["failure"] in rows("experiments")[1]["failure"]
-    assert (last["detections"] is None) == (option == "--estimator")
+    assert (last["detections"] is None) == (option != "--policy")
     assert [row["frame"] for row in rows("decisions") if row["experiment"] == 1] == list(range(last["frame"]))
 
 
@@ -187,14 +196,14 @@ def test_estimators_from_elsewhere_see_for_the_robot(capsys: pytest.CaptureFixtu
 
 def test_a_policy_is_made_anew_for_every_experiment_and_the_methods_own_is_the_default() -> None:
     thresholds = load_thresholds("paper")
-    method = known_method("maskval", load_part("handle").part, thresholds)
-    setup = policy_setup()
+    handle, setup = load_part("handle").part, policy_setup()
+    method = known_method("maskval", handle, thresholds)
     made = [make_policy("patient", method, setup.part, setup.layout, thresholds.refine) for _ in range(2)]
     assert all(isinstance(policy, Patient) for policy in made)
     assert made[0] is not made[1]
     assert make_policy(None, method, setup.part, setup.layout, 0.6) == Threshold(0.55, 0.6)
     assert make_policy("threshold", method, setup.part, setup.layout, 0.9) == Threshold(0.55, 0.6)
-    unsure = known_method("none", load_part("handle").part, thresholds)
+    unsure = known_method("none", handle, thresholds)
     assert make_policy("threshold", unsure, setup.part, setup.layout, 0.9) == Threshold(0.0, 0.9)
 
 
