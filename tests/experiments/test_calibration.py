@@ -36,6 +36,17 @@ def test_both_presets_are_about_parameters_that_exist(part) -> None:
     assert {prior.section for prior in calibration.priors} == {"mask", "pose"}
 
 
+@pytest.mark.parametrize("part", ["antenna", "handle"])
+def test_the_parameters_whose_source_is_a_fit_are_those_that_are_fitted(part) -> None:
+    section, fitted = "", set()
+    for line in noise_text(part).splitlines():
+        if line.startswith("["):
+            section = line.split("]")[0].strip("[")
+        elif line.split("; ")[-1].startswith("fitted"):
+            fitted.add(f"{section}.{line.split(' = ')[0]}")
+    assert fitted == {prior.name for prior in load_calibration(part, load_noise(part)).priors}
+
+
 def test_a_prior_is_normal_in_the_logarithm_the_logit_or_the_artanh() -> None:
     size, share, correlation = (
         Prior("pose.lateral_mm", 0.5, 0.5),

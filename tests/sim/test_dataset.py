@@ -8,13 +8,14 @@ from maskval import Camera, Mesh, Pose, mdd
 from sim.dataset import ImageTruth, Recipe, clutter_shapes, draw_nearest, make_image
 from sim.dataset_estimates import ImageEstimates, estimate_image
 from sim.latents import Streams
-from sim.noise import PartNoise, load_noise
+from sim.noise import PartNoise
 from sim.part_numbers import NOTHING
 from sim.parts import PartModel
+from tests.round_noise import ROUND
 
 CAMERA = Camera(600, 600, 320, 240, 640, 480)
 SMALL = Camera(45, 45, 24, 18, 48, 36)
-NOISE = load_noise("antenna")
+NOISE = ROUND
 EXACT = replace(
     NOISE,
     pose=replace(NOISE.pose, lateral_mm=0.0, rotation_deg=0.0, outlier_probability=0.0),

@@ -17,11 +17,12 @@ from sim.estimators import (
     pose_with_mdd,
 )
 from sim.latents import Streams
-from sim.noise import PartNoise, load_noise
+from sim.noise import PartNoise
 from sim.truth import FrameTruth, TruthBooth
+from tests.round_noise import ROUND
 
 CAMERA = Camera(600, 600, 320, 240, 640, 480)
-NOISE = load_noise("antenna")
+NOISE = ROUND
 STREAMS = Streams(seed=5, experiment=2, kind="box")
 SURE = replace(NOISE, mask=replace(NOISE.mask, miss_probability=0.0, false_alarms_per_image=0.0))
 

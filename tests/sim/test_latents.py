@@ -6,9 +6,9 @@ from scipy.stats import kstest
 
 from maskval import Pose
 from sim.latents import Streams, ViewLatents
-from sim.noise import load_noise
+from tests.round_noise import ROUND
 
-NOISE = load_noise("antenna").view
+NOISE = ROUND.view
 CENTER_O = np.array([0.01, 0.0, 0.03])
 
 

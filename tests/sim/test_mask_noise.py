@@ -19,9 +19,10 @@ from sim.mask_noise import (
     paste,
     random_field,
 )
-from sim.noise import MaskNoise, load_noise
+from sim.noise import MaskNoise
+from tests.round_noise import ROUND
 
-NOISE = load_noise("antenna").mask
+NOISE = ROUND.mask
 EXACT = replace(
     NOISE, field_cells=0.0, box_share=0.0, leak_cells=0.0, drop_probability=0.0, miss_probability=0.0, score_sd=0.0
 )

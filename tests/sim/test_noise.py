@@ -13,20 +13,6 @@ def test_the_package_brings_a_model_for_each_of_its_parts() -> None:
     assert noise_names() == ["antenna", "handle"]
 
 
-def test_the_files_hold_the_parameters_of_the_first_fit() -> None:
-    antenna, handle = load_noise("antenna"), load_noise("handle")
-    assert (antenna.pose.rotation_deg, antenna.pose.outlier_probability, antenna.pose.second_scale) == (
-        2.05,
-        0.018,
-        1.57,
-    )
-    assert (handle.pose.rotation_deg, handle.pose.outlier_probability, handle.pose.second_scale) == (0.52, 0.026, 1.83)
-    # Everything else is shared: what differs is the part's shape.
-    own = {"rotation_deg": 2.05, "outlier_probability": 0.018, "second_scale": 1.57}
-    assert replace(handle.pose, **own) == antenna.pose
-    assert (handle.mask, handle.view, handle.timing) == (antenna.mask, antenna.view, antenna.timing)
-
-
 def test_a_file_is_read_by_its_path(tmp_path) -> None:
     path = tmp_path / "mine.toml"
     path.write_text(ANTENNA.replace("depth_ratio = 2.5", "depth_ratio = 3"), encoding="utf-8")
@@ -60,7 +46,7 @@ def test_every_parameter_says_unit_meaning_and_source(name) -> None:
         ("[0.0, 0.0, 1.0]", "[0, 1]", r"pose.flip_axis: expected three numbers of norm 1, came \(0, 1\)"),
         ("[0.0, 0.0, 1.0]", "1.0", r"pose.flip_axis: expected three numbers of norm 1, came 1.0"),
         ("_min = 0.15", "_min = 0.5", r"mask.drop_share_min: expected at most drop_share_max = 0.45, came 0.5"),
-        ("field_cells = 0.15", "field_cells = inf", r"mask.field_cells: expected a number in \[0, 14\], came inf"),
+        ("bias_cells = 0.0", "bias_cells = inf", r"mask.bias_cells: expected a number in \[-14, 14\], came inf"),
         ("pose_s = 0.20", "pose_s = -0.1", r"timing.pose_s: expected a number in \[0, 60\], came -0.1"),
         ("[timing]", "[time]", r"unknown section 'time': expected mask, pose, timing, view"),
         ("[view]", "more = 1\n[view]", r"unknown section 'more'"),

@@ -7,7 +7,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from maskval import Camera, Mesh, Pose
-from sim.noise import load_noise
 from sim.pose_noise import (
     PoseLatents,
     core_scale,
@@ -19,8 +18,9 @@ from sim.pose_noise import (
     pose_of_nothing,
     ray_frame,
 )
+from tests.round_noise import ROUND
 
-NOISE = load_noise("antenna").pose
+NOISE = ROUND.pose
 NO_OUTLIERS = replace(NOISE, outlier_probability=0.0)
 ONLY_OUTLIERS = replace(
     NOISE, outlier_probability=0.999, second_outlier_odds_ratio=1000.0, lateral_mm=0.0, rotation_deg=0.0
