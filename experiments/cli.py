@@ -17,6 +17,7 @@ from experiments.dataset_config import Dataset
 from experiments.errors import ExperimentsFailedError, UsageError
 from experiments.parties import Parties
 from experiments.predict_config import FitGap, Predict
+from experiments.render_config import RenderDataset
 from experiments.uq import Uq, uq
 from sim.conditions import Conditions
 from sim.errors import GraphicsError
@@ -87,6 +88,13 @@ def _predict(config: Predict) -> int:
     return predict(config)
 
 
+def _render_dataset(config: RenderDataset) -> int:
+    _load_engine()
+    from experiments.render_dataset import render_dataset  # noqa: PLC0415
+
+    return render_dataset(config)
+
+
 _COMMAND: Any = (
     Annotated[Compare, tyro.conf.subcommand("compare")]
     | Annotated[Run, tyro.conf.subcommand("run")]
@@ -96,6 +104,7 @@ _COMMAND: Any = (
     | Annotated[Calibrate, tyro.conf.subcommand("calibrate")]
     | Annotated[FitGap, tyro.conf.subcommand("gap")]
     | Annotated[Predict, tyro.conf.subcommand("predict")]
+    | Annotated[RenderDataset, tyro.conf.subcommand("render-dataset")]
     | Annotated[Uq, tyro.conf.subcommand("uq")]
 )
 COMMANDS: dict[str, tuple[type[Any], Callable[[Any], int]]] = {
@@ -107,6 +116,7 @@ COMMANDS: dict[str, tuple[type[Any], Callable[[Any], int]]] = {
     "calibrate": (Calibrate, _calibrate),
     "gap": (FitGap, _gap),
     "predict": (Predict, _predict),
+    "render-dataset": (RenderDataset, _render_dataset),
     "uq": (Uq, uq),
 }
 

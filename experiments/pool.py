@@ -4,6 +4,7 @@ import multiprocessing
 import os
 import signal
 import threading
+from collections import deque
 from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
@@ -45,8 +46,8 @@ def workers(jobs: int) -> Iterator[Run]:
 
     def run(job: Callable[[Task], Result], tasks: Sequence[Task]) -> Iterator[Result]:
         with _interrupts_ignored():
-            futures = [pool.submit(job, task) for task in tasks]
-        return (future.result() for future in futures)
+            futures = deque(pool.submit(job, task) for task in tasks)
+        return (futures.popleft().result() for _ in tasks)  # what was yielded is forgotten
 
     try:
         yield run

@@ -3,15 +3,19 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import permutations, product
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
 from maskval.errors import InvalidPoseError
 from maskval.geometry import Pose
+from maskval.mesh import Mesh
 
 # BOP's evaluation turns an object so that its farthest vertex moves by at most 1 % of the diameter per step.
 MAXIMUM_STEP = 0.01
+_SAME_VERTEX = 1e-6  # of the diameter: rounding, not shape
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -47,6 +51,29 @@ class SymmetryAxis:
         """
         turn = Pose.from_rotvec(angle * self.axis_O)
         return Pose(turn.rotation, self.offset_O - turn.rotation @ self.offset_O)
+
+
+def right_angle_symmetries(mesh: Mesh) -> tuple[Pose, ...]:
+    """The turns by multiples of 90° about the middle of the mesh's box that map its vertices onto one another.
+
+    The identity is not among them, nor is any other turn, nor a symmetry of the surface that its vertices do not have.
+
+    Args:
+        mesh: The object.
+    """
+    middle = mesh.bounds.mean(axis=0)
+    points = mesh.vertices - middle
+    tree = cKDTree(points)
+    found = []
+    for order in permutations(range(3)):
+        for signs in product((1.0, -1.0), repeat=3):
+            R = np.eye(3)[list(order)] * signs + 0.0  # no −0
+            if np.linalg.det(R) < 0 or np.array_equal(R, np.eye(3)):
+                continue
+            distances, _ = tree.query(points @ R.T)
+            if distances.max() <= _SAME_VERTEX * mesh.diameter:
+                found.append(Pose(R, middle - R @ middle))
+    return tuple(found)
 
 
 def symmetry_poses(

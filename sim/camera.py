@@ -6,10 +6,29 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+import maskval
+from maskval import Pose
 from sim.errors import GraphicsError
 from sim.part_numbers import NOTHING
 
 GL_PACKAGES = "libegl1 libgl1 libosmesa6"
+
+
+def pinhole(camera: maskval.Camera, X_BC: Pose) -> dict[str, Any]:
+    """The fields of a model's camera with these intrinsics, at X_BC in its body B.
+
+    MuJoCo's camera looks along −z with y up: half a turn about x from OpenCV's.
+    """
+    quaternion = np.empty(4)
+    mujoco.mju_mat2Quat(quaternion, (X_BC.rotation @ np.diag([1.0, -1.0, -1.0])).flatten())
+    return {
+        "pos": X_BC.translation,
+        "quat": quaternion,
+        "resolution": [camera.width, camera.height],
+        "focal_pixel": [camera.fx, camera.fy],
+        "principal_pixel": [camera.width / 2 - camera.cx, camera.height / 2 - camera.cy],
+        "sensor_size": [camera.width * 1e-5, camera.height * 1e-5],
+    }
 
 
 class Camera:

@@ -78,22 +78,39 @@ def make_image(mesh: Mesh, camera: Camera, recipe: Recipe, streams: Streams) -> 
         recipe: What the image is made of.
         streams: The root of the image's random numbers; the experiment is the image's number.
     """
+    bodies = scatter(mesh, camera, recipe, streams)
+    numbers, _ = draw_nearest(bodies, camera)
+    return image_truth(numbers, bodies, camera)
+
+
+def scatter(mesh: Mesh, camera: Camera, recipe: Recipe, streams: Streams) -> tuple[Body, ...]:
+    """An image's parts, numbered from 0, and then its clutter; the arguments are those of `make_image`."""
     rng = streams.generator(0, "dataset scene")
     parts = rng.integers(*recipe.parts, endpoint=True)
     clutter = rng.integers(*recipe.clutter, endpoint=True)
     poses = tuple(_anywhere(mesh, camera, recipe, rng) for _ in range(parts))
     others = [clutter_shapes()[i] for i in rng.integers(len(clutter_shapes()), size=clutter)]
-    bodies = (
+    return (
         *((mesh, X_CO, part) for part, X_CO in enumerate(poses)),
         *((other, _anywhere(other, camera, recipe, rng), NOTHING) for other in others),
     )
-    numbers, _ = draw_nearest(bodies, camera)
-    whole = [silhouette(mesh, X_CO, camera, pixel_center=PIXEL_CENTER) for X_CO in poses]
-    seen_px = np.bincount(numbers.ravel() + 1, minlength=parts + 1)[1:]
+
+
+def image_truth(part_numbers: NDArray[np.int8], bodies: tuple[Body, ...], camera: Camera) -> ImageTruth:
+    """The truth about an image of these bodies.
+
+    Args:
+        part_numbers: (H, W), the part that each pixel shows, `NOTHING` where it shows none.
+        bodies: The parts in the order of their numbers, and clutter.
+        camera: Intrinsics and image size.
+    """
+    parts = [(mesh, X_CO) for mesh, X_CO, number in bodies if number != NOTHING]
+    whole = [silhouette(mesh, X_CO, camera, pixel_center=PIXEL_CENTER) for mesh, X_CO in parts]
+    seen_px = np.bincount(part_numbers.ravel() + 1, minlength=len(parts) + 1)[1:]
     return ImageTruth(
-        part_numbers=numbers,
+        part_numbers=part_numbers,
         bodies=bodies,
-        X_CO_true=poses,
+        X_CO_true=tuple(X_CO for _, X_CO in parts),
         visibility=np.minimum(1.0, seen_px / np.maximum(1, [one.area_px for one in whole])),
         in_view=np.array([one.visibility for one in whole]),
     )

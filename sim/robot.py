@@ -14,6 +14,7 @@ import numpy as np
 from cell.layout import Gripper
 from cell.ur10 import JOINT_LIMIT, TORQUE_LIMITS
 from maskval import Camera, Pose
+from sim.camera import pinhole
 from sim.maker_meshes import MakerMesh, maker_meshes
 from sim.shells import Shell, arm_shells
 
@@ -200,19 +201,7 @@ def gripper_base_height(gripper: Gripper) -> float:
 
 
 def _add_camera(flange: mujoco.MjsBody, camera: Camera, X_FC: Pose) -> None:
-    # MuJoCo's camera looks along −z with y up: half a turn about x from OpenCV's.
-    rotation = X_FC.rotation @ np.diag([1.0, -1.0, -1.0])
-    quaternion = np.empty(4)
-    mujoco.mju_mat2Quat(quaternion, rotation.flatten())
-    flange.add_camera(
-        name="wrist",
-        pos=X_FC.translation,
-        quat=quaternion,
-        resolution=[camera.width, camera.height],
-        focal_pixel=[camera.fx, camera.fy],
-        principal_pixel=[camera.width / 2 - camera.cx, camera.height / 2 - camera.cy],
-        sensor_size=[camera.width * 1e-5, camera.height * 1e-5],
-    )
+    flange.add_camera(name="wrist", **pinhole(camera, X_FC))
     for size, pos, rgba in (
         ([0.025, 0.045, 0.014], [0.075, 0.0, 0.020], GRIPPER_RGBA),
         ([0.012, 0.012, 0.006], [0.090, 0.0, 0.030], (0.02, 0.02, 0.03, 1.0)),

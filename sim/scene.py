@@ -6,15 +6,14 @@ import mujoco
 import numpy as np
 
 from cell.layout import Belt, Container, Layout
+from sim.bodies import FURNITURE_FRICTION, add_part, add_part_assets, part_body, set_physics
 from sim.conditions import Conditions
 from sim.disturbances import BELT_MATERIAL, disturb
 from sim.parts import PartModel
-from sim.robot import GRIP_SOLIMP, add_robot
+from sim.robot import add_robot
 
 TIME_STEP = 0.001  # s; at 2 ms a held part drifts by up to 1.3 mm in a transfer (contacts have no memory), at 1 ms half
 ROBOT = "shoulder"  # root of everything that moves with the robot
-PART_SOLREF = (0.006, 1.0)
-FURNITURE_FRICTION = (0.7, 0.01, 0.001)
 SURFACE_VELOCITY_Y = 1  # index into a geom's six surface velocities
 
 _BOX = mujoco.mjtGeom.mjGEOM_BOX
@@ -22,11 +21,6 @@ _FORCE_OF_STRONGEST_CONTACT = (2, 2, 1)  # data: force; reduce: by largest force
 BELT_RGBA = (0.38, 0.47, 0.42, 1.0)
 FRAME_RGBA = (0.62, 0.64, 0.66, 1.0)
 CONTAINER_RGBA = (0.20, 0.36, 0.60, 1.0)
-
-
-def part_body(index: int) -> str:
-    """Name of the body of part `index`."""
-    return f"part_{index}"
 
 
 def robot_touches(other: str) -> str:
@@ -59,30 +53,24 @@ def build_scene(
     spec = mujoco.MjSpec()
     spec.modelname = "graspcell"
     spec.compiler.degree = False
-    _set_options(spec)
+    set_physics(spec, TIME_STEP)
+    _set_visuals(spec)
     _add_surroundings(spec, layout)
     _add_belt(spec, layout.belt, layout.floor_z)
     _add_container(spec, layout.container, slot_size, layout.floor_z)
     camera_true, X_FC_true = conditions.camera_true(layout.camera), conditions.X_FC_true(layout.X_FC)
     add_robot(spec, layout.gripper, camera_true, X_FC_true, use_meshes)
     for model in {model.part.name: model for model in models}.values():
-        _add_part_assets(spec, model)
+        add_part_assets(spec, model)
     for index, model in enumerate(models):
-        _add_part(spec, index, model, conditions.mass)
+        add_part(spec, index, model, conditions.mass)
     _add_sensors(spec, len(models))
     compiled = spec.compile()
     disturb(compiled, conditions)
     return compiled
 
 
-def _set_options(spec: mujoco.MjSpec) -> None:
-    option = spec.option
-    option.timestep = TIME_STEP
-    option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
-    option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
-    option.impratio = 100.0  # a held part creeps out of the jaws at 10 and falls at 1
-    option.jacobian = mujoco.mjtJacobian.mjJAC_DENSE  # 4.0.0's sparse Newton solver has a defect (issue 3767)
-    option.enableflags |= mujoco.mjtEnableBit.mjENBL_SLEEP
+def _set_visuals(spec: mujoco.MjSpec) -> None:
     spec.visual.quality.offsamples = 0  # without multisampling masks and depths are exact
     spec.visual.quality.shadowsize = 8192
     spec.visual.map.shadowclip = 2.0  # the shadows' map reaches beyond the floor that is seen
@@ -195,45 +183,6 @@ def _add_container(spec: mujoco.MjSpec, container: Container, slot_size: tuple[f
         rgba=FRAME_RGBA,
         friction=FURNITURE_FRICTION,
     )
-
-
-def _add_part_assets(spec: mujoco.MjSpec, model: PartModel) -> None:
-    name, mesh = model.part.name, model.part.mesh
-    spec.add_material(name=name, rgba=model.rgba, specular=model.specular, shininess=model.shininess, reflectance=0.0)
-    shape = spec.add_mesh(name=name, inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_EXACT)
-    shape.uservert, shape.userface = mesh.vertices.ravel(), mesh.faces.ravel()
-    for index, piece in enumerate(model.pieces):
-        convex = spec.add_mesh(name=f"{name}_piece_{index}", inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_CONVEX)
-        convex.uservert, convex.userface = piece.vertices.ravel(), piece.faces.ravel()
-
-
-def _add_part(spec: mujoco.MjSpec, index: int, model: PartModel, mass_scale: float) -> None:
-    body = spec.worldbody.add_body(name=part_body(index), pos=(0.0, 2.0 + index, 1.0))
-    body.add_freejoint(name=part_body(index))
-    body.mass, body.ipos, body.explicitinertial = mass_scale * model.mass, model.center_of_mass, True
-    inertia = mass_scale * model.inertia
-    body.fullinertia = [*np.diag(inertia), inertia[0, 1], inertia[0, 2], inertia[1, 2]]
-    mesh = mujoco.mjtGeom.mjGEOM_MESH
-    body.add_geom(
-        name=part_body(index),
-        type=mesh,
-        meshname=model.part.name,
-        material=model.part.name,
-        contype=0,
-        conaffinity=0,
-        density=0.0,
-    )
-    for piece in range(len(model.pieces)):
-        body.add_geom(
-            type=mesh,
-            meshname=f"{model.part.name}_piece_{piece}",
-            group=3,
-            density=0.0,
-            condim=4,
-            friction=(model.friction, 0.01, 0.001),
-            solref=PART_SOLREF,
-            solimp=GRIP_SOLIMP,
-        )
 
 
 def _add_sensors(spec: mujoco.MjSpec, parts: int) -> None:

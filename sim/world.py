@@ -11,11 +11,12 @@ from cell.layout import Layout
 from cell.search import search_run
 from cell.ur10 import inverse_on_branch
 from maskval import Pose
+from sim.bodies import part_body
 from sim.conditions import UNDISTURBED, Conditions
 from sim.errors import DivergenceError
 from sim.parts import PartModel
 from sim.robot import FINGERS, JOINTS
-from sim.scene import SURFACE_VELOCITY_Y, build_scene, container_presses, part_body, robot_touches
+from sim.scene import SURFACE_VELOCITY_Y, build_scene, container_presses, robot_touches
 
 STEPS_PER_COMMAND = 2  # physics steps per period of the robot's controller
 SETTLE_TIME = 1.0  # s of physics before an experiment begins

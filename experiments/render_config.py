@@ -1,0 +1,74 @@
+"""What a person sets for `graspcell render-dataset`."""
+
+# ruff: noqa: PLC0415  # the parts are loaded when the job begins: --help does not wait for them
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+from experiments.checks import at_least, worker_count, writable_folder
+from experiments.errors import UsageError
+
+IMAGES_PER_SCENE = 1000  # as in BOP's rendered training images; one scene's annotations are held in memory at a time
+_BATCH = 10  # images that a worker makes at a time; divides IMAGES_PER_SCENE
+
+Style = Literal["s1", "s2"]
+
+
+@dataclass(frozen=True)
+class RenderDataset:
+    """Render a set of pictures as a BOP dataset, to train or test real networks: RGB, depth, masks and true poses.
+
+    Writes models/, camera.json, the split with its scenes, the split's targets and manifest.json to --out.
+    """
+
+    style: Style = "s1"
+    """s1: parts and clutter dropped onto the floor of a room; s2: parts in the air, pasted over a background."""
+    object: str = "antenna"
+    """The part: antenna, handle, or a TOML file of your own."""
+    images: int = 100
+    """Pictures to take."""
+    split: str = "test"
+    """Name of the split's folder; another split has other pictures."""
+    textured: float = 0.5
+    """Share of parts with a random texture instead of their own colour, 0 to 1."""
+    seed: int = 0
+    """Root of all random numbers."""
+    jobs: int = 0
+    """Processes to render in; 0 takes one per core. The pictures do not depend on it."""
+    out: Path = Path("out/rendered")
+    """Folder for the dataset; made if missing, refused if it holds anything."""
+
+    @property
+    def workers(self) -> int:
+        """Processes to use."""
+        return worker_count(self.jobs)
+
+    @property
+    def batches(self) -> list[range]:
+        """The numbers of the pictures of each batch; none reaches into another scene."""
+        return [range(first, min(first + _BATCH, self.images)) for first in range(0, self.images, _BATCH)]
+
+    def check(self) -> None:
+        """Refuses an argument that cannot be.
+
+        Raises:
+            UsageError: says which and why.
+        """
+        from sim.errors import SimError
+        from sim.parts import load_part
+
+        for name, value, least in (("--images", self.images, 1), ("--seed", self.seed, 0), ("--jobs", self.jobs, 0)):
+            at_least(name, value, least)
+        if not 0 <= self.textured <= 1:
+            raise UsageError(f"expected --textured in 0..1, got {self.textured:g}")
+        if not re.fullmatch(r"[A-Za-z0-9_-]+", self.split) or self.split == "models":
+            raise UsageError(f"expected --split of letters, digits, _ and -, and not models, got {self.split!r}")
+        try:
+            load_part(self.object)
+        except SimError as error:
+            raise UsageError(str(error)) from error
+        writable_folder(self.out)
+        if any(self.out.iterdir()):
+            raise UsageError(f"{self.out} is not empty: expected a new or empty folder for --out")

@@ -1,0 +1,101 @@
+"""The files of rendered pictures in BOP's layout."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from experiments.provenance import write_json
+from maskval import Camera, Mesh, bop, silhouette, silhouette_boxes
+from maskval.symmetry import right_angle_symmetries
+from sim.part_numbers import PIXEL_CENTER
+from sim.pictures import LabelledPicture
+
+OBJECT = 1  # the part's number in the dataset
+DEPTH_SCALE = 0.1  # mm for each step of the depth images, which then reach 6.5 m: farther than a room's corner
+_NO_BOX = (-1, -1, -1, -1)  # BOP's, of what is not to be seen
+
+
+@dataclass(frozen=True, slots=True)
+class Labels:
+    """What BOP's files say of a picture; the parts' order is that of their masks."""
+
+    camera: bop.ImageCamera
+    truths: list[bop.GroundTruth]
+    infos: list[bop.GroundTruthInfo]
+
+
+def write_model(folder: Path, mesh: Mesh, camera: Camera) -> None:
+    """Writes `models/` and `camera.json`."""
+    bop.write_model(folder / "models" / f"obj_{OBJECT:06d}.ply", mesh)
+    info = bop.ModelInfo(mesh.diameter, right_angle_symmetries(mesh))
+    bop.write_models_info(folder / "models" / "models_info.json", {OBJECT: (mesh, info)})
+    intrinsics = {name: getattr(camera, name) for name in ("cx", "cy", "fx", "fy", "height", "width")}
+    write_json(folder / "camera.json", {**intrinsics, "depth_scale": DEPTH_SCALE})
+
+
+def write_picture(scene: Path, im_id: int, picture: LabelledPicture, mesh: Mesh, camera: Camera) -> Labels:
+    """Writes the images of a picture; returns what the scene's JSON files say of it.
+
+    Args:
+        scene: Folder of the scene, with its `rgb`.
+        im_id: The picture's number in it.
+        picture: The picture.
+        mesh: The part.
+        camera: Intrinsics and image size.
+
+    Raises:
+        OSError: an image could not be written.
+    """
+    rgb = scene / "rgb" / f"{im_id:06d}.png"
+    if not cv2.imwrite(str(rgb), picture.rgb[..., ::-1]):
+        raise OSError(f"{rgb} could not be written")
+    bop.write_depth(scene / "depth" / f"{im_id:06d}.png", picture.depth, DEPTH_SCALE)
+    X_CO = picture.truth.X_CO_true
+    boxes = silhouette_boxes(mesh, X_CO, camera, pixel_center=PIXEL_CENTER)
+    infos = []
+    for part, X in enumerate(X_CO):
+        whole = silhouette(mesh, X, camera, pixel_center=PIXEL_CENTER)
+        visible = picture.truth.mask(part) & whole.mask
+        bop.write_mask(bop.mask_path(scene, im_id, part, visible=False), whole.mask)
+        bop.write_mask(bop.mask_path(scene, im_id, part), visible)
+        infos.append(_info(whole.area_px, boxes[part], visible, whole.mask & (picture.depth > 0)))
+    return Labels(
+        bop.ImageCamera(camera.K, DEPTH_SCALE, picture.X_CW), [bop.GroundTruth(OBJECT, X) for X in X_CO], infos
+    )
+
+
+def write_scene(scene: Path, labels: Mapping[int, Labels]) -> None:
+    """Writes the JSON files of a scene, by number of the picture."""
+    bop.write_scene_camera(scene / "scene_camera.json", {im_id: one.camera for im_id, one in labels.items()})
+    bop.write_scene_gt(scene / "scene_gt.json", {im_id: one.truths for im_id, one in labels.items()})
+    bop.write_scene_gt_info(scene / "scene_gt_info.json", {im_id: one.infos for im_id, one in labels.items()})
+
+
+def targets(scene_id: int, labels: Mapping[int, Labels], least: float = 0.1) -> list[bop.Target]:
+    """What an evaluation asks for: the parts of which at least this share is visible (BOP: 0.1), by picture."""
+    counts = {im_id: sum(info.visib_fract >= least for info in one.infos) for im_id, one in labels.items()}
+    return [bop.Target(scene_id, im_id, OBJECT, count) for im_id, count in counts.items() if count]
+
+
+def _info(
+    area_px: int, box: NDArray[np.int64], visible: NDArray[np.bool_], measured: NDArray[np.bool_]
+) -> bop.GroundTruthInfo:
+    visible_px = int(np.count_nonzero(visible))
+    return bop.GroundTruthInfo(
+        bbox_obj=_bop_box(box.tolist()) if visible_px else _NO_BOX,
+        bbox_visib=_bop_box(cv2.boundingRect(visible.astype(np.uint8))) if visible_px else _NO_BOX,
+        px_count_all=area_px,
+        px_count_valid=int(np.count_nonzero(measured)),
+        px_count_visib=visible_px,
+        visib_fract=visible_px / area_px if area_px else 0.0,
+    )
+
+
+def _bop_box(box: Sequence[int]) -> tuple[int, int, int, int]:
+    """As BOP's toolkit writes a box: its width is the last column less the first, one less than its columns."""
+    left, top, width, height = box
+    return left, top, width - 1, height - 1
