@@ -94,7 +94,7 @@ def pasted_picture(model: PartModel, camera: Camera, streams: Streams, textured:
 
 
 STYLES = {"s1": heap_picture, "s2": pasted_picture}
-# A frame like W, 0.8 m before the camera, whose z axis points back at it and, by half, up: where lamps hang.
+# A frame like W, 0.8 m before the camera, whose z axis points up and, by half, back at it: where lamps hang.
 _TOWARDS_CAMERA = Pose.from_rotvec((math.radians(120.0), 0.0, 0.0), (0.0, 0.0, 0.8))
 
 
