@@ -21,6 +21,8 @@ from sim.truth import TruthBooth
 from sim.window import Window, has_display
 
 Action = TypeVar("Action")
+TIME_LIMIT = 3600.0  # s of the wall clock per question to a network or method: learners keep machines busy for hours
+
 Info = dict[str, Any]
 Step = tuple[Encoded, SupportsFloat, bool, bool, Info]
 
@@ -62,10 +64,10 @@ class CellEnv(gymnasium.Env[Encoded, Action], Generic[Action]):
         methods = chosen.uncertainty_methods
         method = AllMethods(methods) if len(methods) > 1 else next(iter(methods.values()))
         stage = set_stage(here, streams, self._booth, chosen.estimator, method)
-        if not chosen.camera_images:
-            return stage
-        detector = WithImages(stage.perception.detector, chosen.camera_images)
-        return replace(stage, perception=replace(stage.perception, detector=detector))
+        detector = stage.perception.detector
+        if chosen.camera_images:
+            detector = WithImages(detector, chosen.camera_images)
+        return replace(stage, perception=replace(stage.perception, detector=detector, time_limit=TIME_LIMIT))
 
     def _choose_experiment(self, seed: int | None, options: dict[str, Any]) -> None:
         gymnasium.Env.reset(self, seed=seed)
