@@ -131,6 +131,7 @@ class Observation:
         uncertainties: u of each detection, (N,) in [0, 1].
         refining: whether this frame was taken to have another look.
         time_left: s until the part's time is up; an attempt that begins before is finished.
+        inference_time: what the networks took for it, s of the cell's clock.
     """
 
     frame: Frame
@@ -139,6 +140,7 @@ class Observation:
     uncertainties: NDArray[np.float64]
     refining: bool
     time_left: float
+    inference_time: float
 
     def u(self, decision: Decision, detection: int) -> float:
         """The uncertainty that a decision about a detection was made upon."""

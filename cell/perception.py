@@ -82,7 +82,7 @@ class Perception:
         detections = self._detect(frame)
         poses = tuple(self._estimate(estimator, frame, detections) for estimator in self._used())
         u = self.uncertainties(frame, detections, poses)
-        return Observation(frame, detections, poses, u, refining, time_left)
+        return Observation(frame, detections, poses, u, refining, time_left, self.inference_time)
 
     def _networks(self) -> tuple[MaskEstimator | PoseEstimator, ...]:
         networks: tuple[MaskEstimator | PoseEstimator, ...] = (self.detector, *self._used())

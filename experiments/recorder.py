@@ -99,14 +99,14 @@ class Recorder:
         )
 
     def _add_frame(self, frame: Frame, refining: bool, observation: Observation | None, failure: str | None) -> None:
-        detections = None if observation is None else len(observation.detections)
         self._add(
             "frames",
             frame=frame.index,
             time_s=frame.time,
             refining=refining,
             X_BC=pose_row(frame.X_BC),
-            detections=detections,
+            inference_s=None if observation is None else observation.inference_time,
+            detections=None if observation is None else len(observation.detections),
             failure=failure,
         )
         if observation is not None:

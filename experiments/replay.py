@@ -1,10 +1,10 @@
 """Plays recorded estimates back, frame by frame: an experiment as it was, or what networks said elsewhere."""
 
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 import pyarrow.parquet as pq
@@ -14,10 +14,11 @@ from cell.setup import EstimatorSetup
 from experiments.errors import UsageError
 from maskval import Pose, bop, mask_from_rle, mdd
 
-LOGS = ("frames.parquet", "estimates.parquet", "transitions.parquet")
+LOGS = ("frames.parquet", "estimates.parquet")
 MASKS, POSES = "masks.json", ("poses.csv", "poses_2.csv")  # of one network, or of two
 _ELSEWHERE = 0.001  # m: the robot comes back to a view within micrometres; another view is centimetres away
 
+Row = TypeVar("Row", bop.Detection, bop.Result)
 Entry = tuple[Detection, tuple[Pose, ...]]
 
 
@@ -37,12 +38,20 @@ class Recording:
         frames: by the index of the frame.
         inference_time: s that detector and networks took together.
         networks: how many pose networks there were.
+        unseen: what a frame shows that is not in it; None where there can be none.
     """
 
     images: frozenset[Image] = frozenset()
 
-    def __init__(self, name: str, frames: dict[int, Recorded], inference_time: float, networks: int) -> None:
-        self._name, self._frames, self.inference_time = name, frames, inference_time
+    def __init__(
+        self,
+        name: str,
+        frames: dict[int, Recorded],
+        inference_time: float,
+        networks: int,
+        unseen: Recorded | None = None,
+    ) -> None:
+        self._name, self._frames, self._unseen, self.inference_time = name, frames, unseen, inference_time
         self.networks = tuple(_Network(self, number) for number in range(networks))
 
     def detect(self, frame: Frame) -> list[Detection]:
@@ -55,9 +64,9 @@ class Recording:
         Raises:
             LookupError: the frame was not recorded, or from elsewhere.
         """
-        if frame.index not in self._frames:
+        recorded = self._frames.get(frame.index, self._unseen)
+        if recorded is None:
             raise LookupError(f"{self._name} has no frame {frame.index}, only 0 to {max(self._frames)}")
-        recorded = self._frames[frame.index]
         if recorded.X_BC is not None:
             shift = mdd(frame.X_BC, recorded.X_BC, np.vstack([np.zeros(3), np.eye(3)]))
             if shift > _ELSEWHERE:
@@ -101,50 +110,56 @@ def load_recording(folder: Path, setup: EstimatorSetup, method: str) -> Recordin
 def _of_logs(folder: Path, setup: EstimatorSetup, method: str) -> Recording:
     key = {"object": setup.part.name, "method": method, "experiment": setup.experiment}
     name = f"{folder}, {setup.part.name} × {method}, experiment {setup.experiment}"
-    frames, estimates, transitions = (_rows(folder / file, key) for file in LOGS)
+    frames, estimates = (_rows(folder / file, key) for file in LOGS)
     by_frame: dict[int, list[Entry]] = defaultdict(list)
     for row in estimates:
         mask = mask_from_rle(row["mask_rle"], setup.camera.height, setup.camera.width)
         poses = tuple(_pose(row[column]) for column in ("X_CO_est", "X_CO_est_2") if row[column] is not None)
         by_frame[row["frame"]].append((Detection(mask, row["score"]), poses))
     whole = [row for row in frames if row["detections"] is not None]
-    decided = next((row["time_s"] for row in transitions if row["target"] == "decide"), None)
-    if not whole or decided is None:
+    if not whole:
         raise UsageError(f"{name}: nothing recorded")
     recorded = {row["frame"]: Recorded(_pose(row["X_BC"]), tuple(by_frame[row["frame"]])) for row in whole}
     networks = max((len(poses) for entries in by_frame.values() for _, poses in entries), default=2)
-    return Recording(name, recorded, round(decided - frames[0]["time_s"], 6), networks)  # whole µs, as it was set
+    return Recording(name, recorded, whole[0]["inference_s"], networks)
 
 
 def _of_bop(folder: Path, setup: EstimatorSetup) -> Recording:
     """Scene is the experiment, image the frame; detection i and pose i of an image belong together, in file order."""
-    files = [folder / name for name in POSES if (folder / name).is_file()]
+    files = [folder / file for file in POSES if (folder / file).is_file()]
     name = f"{folder}, scene {setup.experiment}"
-    detections = [one for one in bop.read_detections(folder / MASKS) if one.scene_id == setup.experiment]
-    results = [[one for one in bop.read_results(file) if one.scene_id == setup.experiment] for file in files]
-    if not detections:
+    found = _by_image(bop.read_detections(folder / MASKS), setup.experiment)
+    networks = [_by_image(bop.read_results(file), setup.experiment) for file in files]
+    if not found:
         raise UsageError(f"{name}: nothing recorded")
     frames = {}
-    for index in range(max(one.im_id for one in detections) + 1):
-        found = [one for one in detections if one.im_id == index]
-        poses = [[one.X_CO for one in of_network if one.im_id == index] for of_network in results]
+    for image in sorted(found.keys() | set[int]().union(*networks)):
+        masks, poses = found[image], [network[image] for network in networks]
         for file, of_network in zip(files, poses, strict=True):
-            if len(of_network) != len(found):
+            if len(of_network) != len(masks):
                 raise UsageError(
-                    f"{file}: expected {len(found)} poses in scene {setup.experiment}, image {index}, "
+                    f"{file}: expected {len(masks)} poses in scene {setup.experiment}, image {image}, "
                     f"one for each mask, got {len(of_network)}"
                 )
-        entries = [(Detection(one.mask, one.score), one_each) for one, *one_each in zip(found, *poses, strict=True)]
-        frames[index] = Recorded(None, tuple((detection, tuple(each)) for detection, each in _by_score(entries)))
-    times = [results[0][0].time_s, detections[0].time_s]
+        entries = [
+            (Detection(mask.mask, mask.score), tuple(result.X_CO for result in results))
+            for mask, *results in zip(masks, *poses, strict=True)
+        ]
+        frames[image] = Recorded(None, tuple(sorted(entries, key=lambda entry: -entry[0].score)))  # as the controller
+    first = min(found)
+    times = [found[first][0].time_s, *(network[first][0].time_s for network in networks)]
     if min(times) < 0.0:
-        raise UsageError(f"{name}: expected the time of detector and pose network in the files, s, got {times}")
-    return Recording(name, frames, sum(times), len(files))
+        raise UsageError(f"{name}: expected the time of detector and pose networks in the files, s, got {times}")
+    return Recording(name, frames, sum(times), len(files), unseen=Recorded(None, ()))
 
 
-def _by_score(entries: Sequence[tuple[Detection, list[Pose]]]) -> Iterator[tuple[Detection, list[Pose]]]:
-    """Best score first, and equal ones in their order: as the controller sorts detections."""
-    return iter(sorted(entries, key=lambda entry: -entry[0].score))
+def _by_image(rows: Iterable[Row], scene: int) -> dict[int, list[Row]]:
+    """The rows of one scene by image, in the order of the file; BOP's files leave out images without any."""
+    images: dict[int, list[Row]] = defaultdict(list)
+    for row in rows:
+        if row.scene_id == scene:
+            images[row.im_id].append(row)
+    return images
 
 
 def _rows(file: Path, key: dict[str, object]) -> list[dict[str, Any]]:

@@ -55,6 +55,11 @@ _COLUMNS: dict[str, tuple[tuple[str, pa.DataType, str], ...]] = {
         ("time_s", pa.float64(), "s"),
         ("refining", pa.bool_(), "whether it was a second look"),
         ("X_BC", _POSE, f"camera in the robot's base as the robot believes it: {_POSE_UNIT}"),
+        (
+            "inference_s",
+            pa.float64(),
+            "s that detector and pose networks took; null if one of them or the method failed",
+        ),
         ("detections", pa.int32(), "how many; null if detector, estimators or method failed"),
         ("failure", pa.string(), "why nothing was decided upon it; null if something was"),
     ),

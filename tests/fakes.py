@@ -371,7 +371,7 @@ def observation(
     detections = tuple(Detection(np.zeros((480, 640), dtype=bool), score) for score in scores or [0.9] * len(u))
     X_CB = frame.X_BC.inverse()
     poses = tuple(X_CB @ X_BO_each for X_BO_each in X_BO or [Pose.identity()] * len(u))
-    return Observation(frame, detections, (poses,), np.array(u, dtype=np.float64), refining, time_left)
+    return Observation(frame, detections, (poses,), np.array(u, dtype=np.float64), refining, time_left, MASK_TIME)
 
 
 def policy_setup(u_grasp: float = 0.2, u_refine: float = 0.6) -> PolicySetup:

@@ -194,6 +194,18 @@ def test_estimators_from_elsewhere_see_for_the_robot(capsys: pytest.CaptureFixtu
     assert looked[1] - frame["time_s"] == pytest.approx(0.1 + 0.1)  # the detector and one network
 
 
+def test_run_tells_which_bound_was_missed_when_the_search_goes_on(capsys: pytest.CaptureFixture[str]) -> None:
+    cell = ("--object", "handle", "--method", "maskval", "--parts", 1, "--speed", "fast")
+    told = command(capsys, "run", *cell, "--estimator", "own:Seeing", "--out", "out")
+    assert told.code == 0
+    assert "decision: search\n" in told.out  # nothing is seen in the first frame
+    assert "decision: search, best was detection 0, u > 0.6\n" in told.out
+    first, second = rows("decisions")[:2]
+    assert [first[name] for name in ("detection", "u", "threshold")] == 3 * [None]
+    assert (second["action"], second["detection"], second["threshold"]) == ("search", 0, 0.6)
+    assert second["u"] > 0.6
+
+
 def test_a_policy_is_made_anew_for_every_experiment_and_the_methods_own_is_the_default() -> None:
     thresholds = load_thresholds("paper")
     handle, setup = load_part("handle").part, policy_setup()

@@ -67,7 +67,7 @@ def write_bop(folder: Path, log: Path) -> None:
         ],
     )
     for file, column in (("poses.csv", "X_CO_est"), ("poses_2.csv", "X_CO_est_2")):
-        results = [bop.Result(0, row["frame"], 1, row["score"], pose(row[column]), 0.4) for row in estimates]
+        results = [bop.Result(0, row["frame"], 1, row["score"], pose(row[column]), 0.2) for row in estimates]
         bop.write_results(folder / file, results)
 
 
@@ -158,8 +158,12 @@ def test_a_file_that_is_no_log_is_refused(tmp_path: Path) -> None:
         load_recording(tmp_path, SETUP, METHOD)
 
 
-def test_bop_files_that_do_not_fit_together_are_refused(tmp_path: Path, recorded: Path) -> None:
+def test_bop_files_need_not_name_what_shows_nothing_but_those_that_do_not_fit_together_are_refused(
+    tmp_path: Path, recorded: Path
+) -> None:
     write_bop(tmp_path, recorded)
+    last = frames_of(recorded)[-1]
+    assert load_recording(tmp_path, SETUP, METHOD).detect(replace(last, index=1000)) == []
     with pytest.raises(UsageError, match=r"scene 3: nothing recorded"):
         load_recording(tmp_path, replace(SETUP, experiment=3), METHOD)
     results = bop.read_results(tmp_path / "poses_2.csv")
@@ -168,7 +172,7 @@ def test_bop_files_that_do_not_fit_together_are_refused(tmp_path: Path, recorded
         load_recording(tmp_path, SETUP, METHOD)
     (tmp_path / "poses_2.csv").unlink()
     bop.write_results(tmp_path / "poses.csv", [replace(result, time_s=-1.0) for result in results])
-    with pytest.raises(UsageError, match="expected the time of detector and pose network in the files"):
+    with pytest.raises(UsageError, match="expected the time of detector and pose networks in the files"):
         load_recording(tmp_path, SETUP, METHOD)
     (tmp_path / "poses.csv").write_text("0,0,1,much,1,2,3\n")
     with pytest.raises(MaskvalError, match=r"poses.csv:1"):
