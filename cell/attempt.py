@@ -8,9 +8,10 @@ import numpy as np
 
 from cell.grasping import RELEASE_GAP, GraspPlan, PlacePlan, plan_grasps, plan_places
 from cell.interfaces import Contact, Touch
-from cell.motion import HOLDING, Motion, Unreachable
+from cell.motion import EVERYTHING, HOLDING, Array, Motion, Unreachable
 from cell.part import Part
 from cell.records import State
+from cell.riding import RAMP_TIME, RIDE_TIME
 from maskval import Pose
 
 GRIP = -0.02  # m, commanded half opening: beyond closed, so that the jaws press with all the force that they may use
@@ -49,32 +50,59 @@ class Attempt:
         self._motion, self._part, self._enter = motion, part, enter
         self._station = motion.station
         self._state = State.APPROACH
+        self._riding = False  # whether the tool moves with the belt, if the belt moves
+        self._seen_at = 0.0
 
-    def run(self, X_BO_est: Pose, container_slot: int) -> Reach:
-        """Tries it; ends with the arm out of the way."""
-        plan = self._reachable_plan(X_BO_est)
-        if plan is None:
+    def run(self, X_BO_est: Pose, container_slot: int, seen_at: float) -> Reach:
+        """Tries it; ends with the arm out of the way.
+
+        Args:
+            X_BO_est: where the part was seen.
+            container_slot: where it shall go.
+            seen_at: when it was there, s; where the belt moves, it has carried the part on since.
+        """
+        self._seen_at = seen_at
+        chosen = self._reachable_plan(X_BO_est)
+        if chosen is None:
             return Reach(None, State.APPROACH, None)
+        plan, start = chosen
         try:
-            self._pick(plan)
+            self._pick(plan, start)
             self._place(plan, container_slot)
         except _Ended as end:
             return Reach(plan.grasp.name, self._state, end.contact)
         return Reach(plan.grasp.name, self._state, None)
 
-    def _reachable_plan(self, X_BO_est: Pose) -> GraspPlan | None:
-        """The most upright grasp that the arm reaches, the way round that turns the joints least."""
+    def _reachable_plan(self, X_BO_est: Pose) -> tuple[GraspPlan, float] | None:
+        """The most upright grasp that the arm reaches, and when to be above it, s.
+
+        The way round that turns the joints least; on a moving belt, the one that is there first.
+        """
         plans = plan_grasps(self._part, X_BO_est)
         for grasp in dict.fromkeys(plan.grasp.name for plan in plans):
             ways = [
-                (turn, plan)
-                for plan in plans
-                if plan.grasp.name == grasp
-                and (turn := self._turn(plan.X_BT_before, plan.X_BT_grip, plan.X_BT_lifted)) is not None
+                (cost, plan) for plan in plans if plan.grasp.name == grasp and (cost := self._cost(plan)) is not None
             ]
             if ways:
-                return min(ways, key=lambda way: way[0])[1]
+                cost, plan = min(ways, key=lambda way: way[0])
+                return plan, cost if self._motion.belt_moves else self._station.time
         return None
+
+    def _cost(self, plan: GraspPlan) -> float | None:
+        """What makes a way round the worse one: the joints' turn, or the time of meeting; None if out of reach."""
+        if not self._motion.belt_moves:
+            return self._turn(plan.X_BT_before, plan.X_BT_grip, plan.X_BT_lifted)
+        return self._motion.meeting_time(lambda start: self._joints_to_begin(plan, start))
+
+    def _joints_to_begin(self, plan: GraspPlan, start: float) -> Array:
+        """Joint angles at the start of a ride (s) on the belt; raises Unreachable if it would leave the arm's reach."""
+        carried, seen_at, layout = self._motion.carried, self._seen_at, self._motion.layout
+        y_W = (layout.X_WB @ carried(plan.X_BT_before, seen_at, start)).translation[1]
+        if y_W > layout.belt.loading_length / 2:
+            raise Unreachable("not yet on the stretch that the arm reaches")
+        for X_BT in (plan.X_BT_grip, plan.X_BT_lifted):
+            self._motion.joints_for(carried(X_BT, seen_at, start + RIDE_TIME))
+        return self._motion.joints_for(carried(plan.X_BT_before, seen_at, start + RAMP_TIME / 2))
 
     def _reachable_place(self, plan: GraspPlan, container_slot: int, half_opening: float) -> PlacePlan | None:
         """The way to lay the part down that turns the joints least."""
@@ -94,16 +122,29 @@ class Attempt:
             return None
         return float(np.abs(joints - self._station.q).max())
 
-    def _pick(self, plan: GraspPlan) -> None:
+    def _pick(self, plan: GraspPlan, start: float) -> None:
         motion, station, before = self._motion, self._station, plan.X_BT_before
         station.command_jaws(plan.grasp.half_opening)
-        self._move(State.APPROACH, f"grasp {plan.grasp.name}", lambda: motion.to_tool(before), None)
-        self._move(State.DESCEND, "above the part", lambda: motion.line_to(plan.X_BT_grip), before)
+        self._move(State.APPROACH, f"grasp {plan.grasp.name}", lambda: self._approach(before, start), None)
+        self._riding = True
+        self._move(State.DESCEND, "above the part", lambda: self._ride_to(plan.X_BT_grip, EVERYTHING), before)
         station.command_jaws(GRIP)
-        self._move(State.CLOSE, "at the part", lambda: station.wait(CLOSING_TIME, HOLDING), before)
+        self._move(State.CLOSE, "at the part", lambda: motion.wait_on_belt(CLOSING_TIME, HOLDING), before)
         self._check_held(before)
-        self._move(State.LIFT, "part between the jaws", lambda: motion.line_to(plan.X_BT_lifted, HOLDING), before)
+        self._move(State.LIFT, "part between the jaws", lambda: self._lift(plan.X_BT_lifted), before)
+        self._riding = False
         self._check_held(None)
+
+    def _approach(self, X_BT_before: Pose, start: float) -> Contact | None:
+        """Above the part at a time (s), moving as it does from then on."""
+        where = self._motion.carried(X_BT_before, self._seen_at, start + RAMP_TIME / 2)
+        return self._motion.to_tool(where) or self._motion.join_belt(start)
+
+    def _ride_to(self, X_BT: Pose, watch: frozenset[Touch]) -> Contact | None:
+        return self._motion.line_to(self._motion.carried(X_BT, self._seen_at), watch, riding=True)
+
+    def _lift(self, X_BT_lifted: Pose) -> Contact | None:
+        return self._ride_to(X_BT_lifted, HOLDING) or self._motion.leave_belt(HOLDING)
 
     def _place(self, plan: GraspPlan, container_slot: int) -> None:
         motion, station = self._motion, self._station
@@ -145,10 +186,14 @@ class Attempt:
     def _end(self, reason: str, contact: Contact | None, retreat: Pose | None) -> NoReturn:
         """Opens the jaws, goes straight back to `retreat` and ends the attempt; nothing is watched on the way out."""
         self._enter(State.RETREAT, reason)
+        if self._riding and contact is None:
+            self._motion.leave_belt(watch=frozenset())
         if self._state is not State.DESCEND:
             self._station.command_jaws(self._motion.layout.gripper.max_half_opening)
             self._station.wait(RELEASE_TIME, frozenset())
         if retreat is not None:
+            if self._riding:
+                retreat = self._motion.carried(retreat, self._seen_at)
             try:
                 self._motion.line_to(retreat, watch=frozenset())
             except Unreachable:

@@ -214,16 +214,28 @@ class Cycle:
     def _refinement_view(self, seen: Seen) -> Pose:
         if seen.decision.X_BC is not None:
             return seen.decision.X_BC
-        X_BO_est = seen.observation.X_BO_est(_detection(seen.decision))
+        X_BO_est, seen_at = seen.observation.X_BO_est(_detection(seen.decision)), seen.observation.frame.time
         center_O = self._perception.part.mesh.bounds.mean(axis=0)
-        return refinement_view(X_BO_est, center_O, self._config.refine_distance)
+
+        def view_at(time: float) -> Pose:
+            X_BO = self._motion.carried(X_BO_est, seen_at, time + self._config.settle_time)
+            return refinement_view(X_BO, center_O, self._config.refine_distance)
+
+        if not self._motion.belt_moves:
+            return view_at(self._station.time)
+        meeting = self._motion.meeting_time(lambda time: self._motion.joints_for_camera(view_at(time)))
+        if meeting is None:
+            raise Unreachable("the part will be out of the camera's reach")
+        return view_at(meeting)
 
     def _attempt(self, seen: Seen) -> Outcome:
         observation, index = seen.observation, _detection(seen.decision)
         X_BO_est = seen.decision.X_BO_est or observation.X_BO_est(index)
         start = self._station.time
         self._referee.attempt_begins(self._container_slot)
-        reach = Attempt(self._motion, self._perception.part, self._enter).run(X_BO_est, self._container_slot)
+        reach = Attempt(self._motion, self._perception.part, self._enter).run(
+            X_BO_est, self._container_slot, observation.frame.time
+        )
         outcome = Outcome.UNREACHABLE if reach.grasp is None else self._referee.verdict(reach.contact)
         self._tell(
             AttemptRecord(

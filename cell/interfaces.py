@@ -224,7 +224,11 @@ class Station(Protocol):
         """A picture from where the camera is now."""
 
     def follow(self, trajectory: JointTrajectory, watch: frozenset[Touch]) -> Contact | None:
-        """Moves; stops at once and says why when one of the watched contacts is too strong."""
+        """Moves; stops at once and says why when one of the watched contacts is too strong.
+
+        A trajectory that begins at rest begins where the arm is; where one begins in motion, its first sample is where
+        the arm shall be one time step from now.
+        """
 
     def command_jaws(self, half_opening: float) -> None:
         """Sends the jaws to a half opening, m; a negative one grips. Returns at once, they move as time goes on."""
@@ -243,7 +247,7 @@ class Referee(Protocol):
         """What the attempt that just ended came to."""
 
     def parts_on_belt(self) -> int:
-        """How many parts still lie on the belt."""
+        """How many parts still lie on the belt, or were carried over its end."""
 
 
 Listener = Callable[[object], None]  # is told every record as it is made, see cell.records

@@ -28,13 +28,23 @@ def default_camera_pose() -> Pose:
 
 @dataclass(frozen=True)
 class Belt:
-    """The conveyor belt: a flat top of `width` (W's x) by `length` (W's y)."""
+    """The conveyor belt: a flat top of `width` (W's x) by `length` (W's y), and what lies upstream of it.
+
+    Where it moves, it carries parts along −y, towards the container's end, past the arm.
+    """
 
     center_x: float = 0.68
     length: float = 1.9
     width: float = 0.40
     top_z: float = -0.05
     loading_length: float = 1.40  # the stretch in the middle that the arm reaches, and that parts are put on
+    speed: float = 0.0  # m/s along −y
+    upstream: float = 0.0  # m of belt beyond the end at +length / 2: where parts come from, out of the arm's reach
+
+    @property
+    def v_W(self) -> np.ndarray:
+        """Velocity of the belt's surface, (3,) m/s."""
+        return np.array([0.0, -self.speed, 0.0])
 
 
 @dataclass(frozen=True)

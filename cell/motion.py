@@ -1,5 +1,6 @@
 """Moves the robot of a station: joint moves to tool or camera poses, straight lines, and back where it came from."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -7,14 +8,18 @@ from numpy.typing import NDArray
 
 from cell.interfaces import Contact, Station, Touch
 from cell.layout import Layout
+from cell.riding import RAMP_TIME, Way, at_speed, carried, joining, leaving, ride
 from cell.speed import SpeedPreset
-from cell.trajectory import joint_move, line_move
+from cell.trajectory import joint_move, line_move, line_poses
 from cell.ur10 import forward, inverse_on_branch
 from maskval import Pose
 
 Array = NDArray[np.float64]
 
 EVERYTHING = frozenset(Touch) - {Touch.PRESSED}
+LONGEST_WAIT = 10.0  # s for something to come along the belt into reach: 1 m and more
+WAIT_STEP = 0.1  # s between the times that are tried
+
 HOLDING = EVERYTHING - {Touch.PART}  # the part in the jaws touches them
 
 
@@ -61,18 +66,82 @@ class Motion:
         """A joint move."""
         return self.station.follow(joint_move(self.station.q, q, self.speed, self.station.time_step), watch)
 
-    def line_to(self, X_BT: Pose, watch: frozenset[Touch] = EVERYTHING) -> Contact | None:
+    def line_to(self, X_BT: Pose, watch: frozenset[Touch] = EVERYTHING, riding: bool = False) -> Contact | None:
         """A straight line of the tool from where it is.
+
+        Args:
+            X_BT: its end; where the belt moves and the tool rides on it, where that is now.
+            watch: contacts that stop it.
+            riding: whether the tool moves with the belt, if the belt moves.
 
         Raises:
             Unreachable: the arm cannot follow the line.
         """
-        q = self.station.q
-        X_TF = self.layout.gripper.X_FT.inverse()
-        trajectory = line_move(forward(q), X_BT @ X_TF, q, self.speed, self.station.time_step)
+        q, step = self.station.q, self.station.time_step
+        X_BF = X_BT @ self.layout.gripper.X_FT.inverse()
+        if riding and self.belt_moves:
+            return self._ride(line_poses(forward(q), X_BF, self.speed, step), at_speed, watch)
+        trajectory = line_move(forward(q), X_BF, q, self.speed, step)
         if trajectory is None:
             raise Unreachable(f"no straight line to the tool at {X_BT.translation.round(3)} m in the base")
         return self.station.follow(trajectory, watch)
+
+    @property
+    def belt_moves(self) -> bool:
+        """Whether the belt carries parts along."""
+        return self.layout.belt.speed > 0.0
+
+    def carried(self, X_BA: Pose, since: float, until: float | None = None) -> Pose:
+        """Where something on the belt is at a time (s; now without one), given where it was at another."""
+        until = self.station.time if until is None else until
+        return carried(X_BA, self._v_B, until - since)
+
+    def meeting_time(self, q_at: Callable[[float], Array]) -> float | None:
+        """The earliest time, s, at which the arm can have the joint angles that are wanted then; None if it never can.
+
+        Args:
+            q_at: the joint angles that are wanted at a time, s; raises Unreachable where there are none.
+        """
+        now, q_now = self.station.time, self.station.q
+        for wait in np.arange(0.0, LONGEST_WAIT, WAIT_STEP):
+            try:
+                q = q_at(now + wait)
+            except Unreachable:
+                continue
+            if joint_move(q_now, q, self.speed, self.station.time_step).duration_s <= wait:
+                return float(now + wait)
+        return None
+
+    def join_belt(self, start: float, watch: frozenset[Touch] = EVERYTHING) -> Contact | None:
+        """Waits until a time (s) and then comes to the belt's speed; nothing on a belt that stands still."""
+        if not self.belt_moves:
+            return None
+        contact = self.station.wait(max(start - self.station.time, 0.0), watch)
+        return contact or self._ride(self._standing(RAMP_TIME), joining, watch)
+
+    def leave_belt(self, watch: frozenset[Touch] = EVERYTHING) -> Contact | None:
+        """Comes to rest from the belt's speed; nothing on a belt that stands still."""
+        return self._ride(self._standing(RAMP_TIME), leaving, watch) if self.belt_moves else None
+
+    def wait_on_belt(self, duration: float, watch: frozenset[Touch]) -> Contact | None:
+        """Stands still as seen from the belt for a time, s."""
+        if not self.belt_moves:
+            return self.station.wait(duration, watch)
+        return self._ride(self._standing(duration), at_speed, watch)
+
+    def _standing(self, duration: float) -> Array:
+        return np.repeat(forward(self.station.q).matrix[np.newaxis], round(duration / self.station.time_step), axis=0)
+
+    def _ride(self, X_BF: Array, way: Way, watch: frozenset[Touch]) -> Contact | None:
+        trajectory = ride(X_BF, self.station.q, self._v_B, way, self.station.time_step)
+        if trajectory is None:
+            raise Unreachable(f"the arm cannot ride on the belt from {X_BF[0, :3, 3].round(3)} m in the base")
+        return self.station.follow(trajectory, watch)
+
+    @property
+    def _v_B(self) -> Array:
+        v_B: Array = self.layout.X_WB.rotation.T @ self.layout.belt.v_W
+        return v_B
 
     @property
     def X_BT(self) -> Pose:

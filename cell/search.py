@@ -27,11 +27,14 @@ class SearchRun:
 
 
 def search_run(layout: Layout) -> SearchRun:
-    """Views over the loaded stretch of the belt, beginning at the end away from the container."""
+    """Views over the loaded stretch of the belt, beginning at the end away from the container.
+
+    On a moving belt that first view is the only one: parts come to it.
+    """
     belt = layout.belt
     half_view = SEARCH_DISTANCE * layout.camera.width / (2 * layout.camera.fx)
     reach = max(belt.loading_length / 2 - half_view, 0.0)
-    count = int(np.ceil(2 * reach / SEARCH_STEP)) + 1
+    count = 1 if belt.speed > 0.0 else int(np.ceil(2 * reach / SEARCH_STEP)) + 1
     X_BW = layout.X_WB.inverse()
     points_W = [np.array([belt.center_x, y, belt.top_z]) for y in np.linspace(reach, -reach, count)]
     return SearchRun(tuple(look_at(X_BW.apply(point), SEARCH_DISTANCE) for point in points_W))

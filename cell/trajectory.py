@@ -1,4 +1,4 @@
-"""Timed joint trajectories: joint moves, straight lines, their way back, and standing still.
+"""Timed joint trajectories: joint moves, straight lines, and standing still.
 
 Every motion is a path and one jerk-limited parameter along it, from rest to rest, planned by ruckig. A joint move is
 straight in joint space, so all joints start and stop together, as in a UR's moveJ; a line is straight for the flange,
@@ -131,19 +131,12 @@ def line_move(
         raise InvalidTrajectoryError(
             f"q_start and X_BF_start differ by {gap:.2e} (m or 1), expected < {START_TOLERANCE}"
         )
-    way = X_BF_goal.translation - X_BF_start.translation
-    rotvec_F = (X_BF_start.inverse() @ X_BF_goal).rotvec
-    length = max(
-        float(np.linalg.norm(way)),
-        float(np.linalg.norm(rotvec_F)) * preset.line_speed / preset.line_rotation_speed,
-    )
-    if length < NO_WAY:
-        return hold(start, 0.0, time_step_s)
-    plan = _planned(length, preset.line_speed, preset.line_acceleration, preset.line_jerk)
     slowdown = 1.0
     for _ in range(MAX_SLOWDOWNS):
-        parameter, _ = _sampled(plan, time_step_s, slowdown)
-        positions = inverse_path(_line_poses(X_BF_start, way, rotvec_F, parameter), start)
+        X_BF = line_poses(X_BF_start, X_BF_goal, preset, time_step_s, slowdown)
+        if len(X_BF) == 1:
+            return hold(start, 0.0, time_step_s)
+        positions = inverse_path(X_BF, start)
         if positions is None or float(np.abs(positions[0] - start).max()) > SAME_SOLUTION_RAD:
             return None
         excess = float((np.abs(np.diff(positions, axis=0)) / time_step_s / SPEED_LIMITS).max())
@@ -155,9 +148,29 @@ def line_move(
     return None
 
 
-def retraced(trajectory: JointTrajectory) -> JointTrajectory:
-    """The same way backwards in time, from its end to its start."""
-    return JointTrajectory(trajectory.time_step_s, trajectory.positions[::-1], -trajectory.velocities[::-1])
+def line_poses(
+    X_BF_start: Pose, X_BF_goal: Pose, preset: SpeedPreset, time_step_s: float, slowdown: float = 1.0
+) -> Array:
+    """Poses X_BF on a line from rest to rest, one per time step, shape (N, 4, 4); a single one for no way.
+
+    Args:
+        X_BF_start: the first pose.
+        X_BF_goal: the last pose.
+        preset: its line limits hold throughout.
+        time_step_s: time between samples, s, > 0.
+        slowdown: how much slower than the limits allow, ≥ 1.
+    """
+    way = X_BF_goal.translation - X_BF_start.translation
+    rotvec_F = (X_BF_start.inverse() @ X_BF_goal).rotvec
+    length = max(
+        float(np.linalg.norm(way)),
+        float(np.linalg.norm(rotvec_F)) * preset.line_speed / preset.line_rotation_speed,
+    )
+    if length < NO_WAY:
+        return X_BF_start.matrix[np.newaxis]
+    plan = _planned(length, preset.line_speed, preset.line_acceleration, preset.line_jerk)
+    parameter, _ = _sampled(plan, time_step_s, slowdown)
+    return _line_poses(X_BF_start, way, rotvec_F, parameter)
 
 
 def hold(q: ArrayLike, duration_s: float, time_step_s: float) -> JointTrajectory:

@@ -3,13 +3,13 @@
 from dataclasses import dataclass
 from functools import lru_cache
 
-from cell.layout import Layout
+from cell.layout import Belt, Layout
 from maskval import Pose
 from sim.camera import Camera
 from sim.conditions import Conditions
 from sim.latents import Streams
-from sim.parts import PartModel, load_part
-from sim.placement import place_parts
+from sim.parts import load_part
+from sim.placement import feed_parts, feeding_length, place_parts
 from sim.world import World
 
 
@@ -30,7 +30,7 @@ def build_bench(part: str, parts: int, conditions: Conditions, maker_meshes: boo
         conditions: what disturbs the cell.
         maker_meshes: whether the arm is drawn with its maker's meshes.
     """
-    layout = Layout()
+    layout = Layout(belt=belt_under(conditions, parts))
     world = World(layout, load_part(part), parts, conditions, maker_meshes)
     return Bench(world, Camera(world.model, layout.camera.height, layout.camera.width))
 
@@ -38,6 +38,15 @@ def build_bench(part: str, parts: int, conditions: Conditions, maker_meshes: boo
 bench = lru_cache(maxsize=4)(build_bench)  # kept, since compiling and opening a renderer take a second
 
 
-def starting_poses(model: PartModel, parts: int, layout: Layout, streams: Streams) -> list[Pose]:
-    """X_WO of the parts: a function of seed, kind and number of the experiment, whatever the method."""
-    return place_parts(model, parts, layout.belt, streams.generator(part=0, purpose="placement"))
+def belt_under(conditions: Conditions, parts: int) -> Belt:
+    """The belt as it is; if it moves, with room upstream for all the parts that come along."""
+    speed = conditions.belt_speed
+    return Belt(speed=speed, upstream=feeding_length(speed, conditions.takt_s, parts)) if speed else Belt()
+
+
+def starting_poses(world: World, streams: Streams) -> list[Pose]:
+    """X_WO of the parts: a function of conditions, seed, kind and number of the experiment, whatever the method."""
+    belt, rng = world.layout.belt, streams.generator(part=0, purpose="placement")
+    if belt.speed:
+        return feed_parts(world.part_model, world.parts, belt, rng, world.conditions.takt_s)
+    return place_parts(world.part_model, world.parts, belt, rng)

@@ -22,6 +22,8 @@ RANGES = {
     "friction": (0.05, 3.0),
     "mass": (0.1, 10.0),
     "latency_s": (0.0, 10.0),
+    "belt_speed": (0.0, 0.15),
+    "takt_s": (5.0, 60.0),
 }
 
 
@@ -51,6 +53,10 @@ class Conditions:
     """Scale of the parts' masses, 0.1 to 10."""
     latency_s: float = 0.0
     """Seconds more between a picture and what is known of it, 0 to 10."""
+    belt_speed: float = 0.0
+    """Speed of the belt in m/s, 0 to 0.15; where it moves, the parts come along it one after the other."""
+    takt_s: float = 15.0
+    """Mean time between parts that come along a moving belt, s, 5 to 60."""
 
     def __post_init__(self) -> None:
         for name, (least, most) in RANGES.items():

@@ -11,6 +11,8 @@ from sim.parts import PartModel
 
 CLEARANCE = 0.055  # m between parts and to the belt's edges: a jaw with its opening fits between
 DROP_HEIGHT = 0.0005  # m above contact, so that parts settle instead of starting in one another
+TAKT_SPREAD = 0.15  # share of the takt by which the time between two parts on a moving belt varies
+LONGEST_PART = 0.5  # m: sim.parts refuses larger ones
 _TRIES_PER_PART = 200
 _TRIES_PER_BELT = 200
 
@@ -35,6 +37,35 @@ def place_parts(
     )
 
 
+def feed_parts(model: PartModel, count: int, belt: Belt, rng: np.random.Generator, takt: float) -> list[Pose]:
+    """X_WO of `count` parts upstream on a moving belt, the first about to come into the arm's reach.
+
+    Resting pose, yaw and place across the belt as on a belt that stands still. They follow one another every `takt`
+    seconds, ± `TAKT_SPREAD` of it, but with no less than `CLEARANCE` between them.
+    """
+    footprints = [_footprint(model, side) for side in range(len(model.resting_poses))]
+    probabilities = [pose.probability for pose in model.resting_poses]
+    poses: list[Pose] = []
+    start = belt.loading_length / 2
+    for _ in range(count):
+        side = int(rng.choice(len(footprints), p=probabilities))
+        turn = _about_z(rng.uniform(-np.pi, np.pi))
+        outline = footprints[side] @ turn.T
+        room = belt.width / 2 - CLEARANCE
+        x = rng.uniform(-room - outline[:, 0].min(), room - outline[:, 0].max())
+        y = start - outline[:, 1].min()
+        poses.append(_lying(model, side, turn, np.array([x, y]), belt))
+        end = y + outline[:, 1].max()
+        interval = takt * rng.uniform(1 - TAKT_SPREAD, 1 + TAKT_SPREAD)
+        start = max(start + belt.speed * interval, end + CLEARANCE)
+    return poses
+
+
+def feeding_length(speed: float, takt: float, count: int) -> float:
+    """Length of belt upstream, m, on which `feed_parts` has room for `count` parts, whatever they are."""
+    return count * max(speed * takt * (1 + TAKT_SPREAD), LONGEST_PART + CLEARANCE)
+
+
 def _footprint(model: PartModel, side: int) -> Polygon:
     """Outline of a resting pose seen from above, convex, (P, 2) m around O's origin."""
     points = (model.part.mesh.vertices @ model.resting_poses[side].rotation.T)[:, :2]
@@ -54,20 +85,29 @@ def _fill_belt(
         for _ in range(_TRIES_PER_PART):
             side = int(rng.choice(len(footprints), p=probabilities))
             yaw = rng.uniform(-np.pi, np.pi)
-            turn = np.array([[np.cos(yaw), -np.sin(yaw)], [np.sin(yaw), np.cos(yaw)]])
+            turn = _about_z(yaw)
             outline = footprints[side] @ turn.T + rng.uniform(-room, room)
             offset = outline - footprints[side] @ turn.T
             if np.all(np.abs(outline) <= room) and all(gap(outline, other) >= clearance for other in outlines):
                 break
         else:
             return None
-        resting = model.resting_poses[side]
-        rotation = np.eye(3)
-        rotation[:2, :2] = turn
         outlines.append(outline)
-        x, y = offset[0] + [belt.center_x, 0.0]
-        poses.append(Pose(rotation @ resting.rotation, np.array([x, y, belt.top_z + resting.height + DROP_HEIGHT])))
+        poses.append(_lying(model, side, turn, offset[0], belt))
     return poses
+
+
+def _about_z(yaw: float) -> NDArray[np.float64]:
+    return np.array([[np.cos(yaw), -np.sin(yaw)], [np.sin(yaw), np.cos(yaw)]])
+
+
+def _lying(model: PartModel, side: int, turn: NDArray[np.float64], place: NDArray[np.float64], belt: Belt) -> Pose:
+    """X_WO of a part on one of its sides, turned on the belt, at a place (2,) m from the belt's middle."""
+    resting = model.resting_poses[side]
+    rotation = np.eye(3)
+    rotation[:2, :2] = turn
+    x, y = place + [belt.center_x, 0.0]
+    return Pose(rotation @ resting.rotation, np.array([x, y, belt.top_z + resting.height + DROP_HEIGHT]))
 
 
 def gap(one: Polygon, other: Polygon) -> float:

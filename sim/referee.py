@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cell.interfaces import Contact, Outcome, Touch
+from sim.furniture import TRAY_MARGIN
 from sim.station import SimStation
 from sim.world import World
 
@@ -48,15 +49,21 @@ class SimReferee:
 
     def parts_on_belt(self) -> int:
         """See `Referee`."""
-        return sum(self.is_on_belt(part) for part in range(self._world.parts))
+        return sum(self.is_on_belt(part) or self._has_left(part) for part in range(self._world.parts))
 
     def is_on_belt(self, part: int) -> bool:
         """Whether the part's middle is over the belt and no part of it far below."""
         belt = self._world.layout.belt
         vertices = self._vertices_W(part)
         x, y = (vertices[:, :2].min(axis=0) + vertices[:, :2].max(axis=0)) / 2
-        over = abs(x - belt.center_x) <= belt.width / 2 and abs(y) <= belt.length / 2
+        over = abs(x - belt.center_x) <= belt.width / 2 and -belt.length / 2 <= y <= belt.length / 2 + belt.upstream
         return bool(over and vertices[:, 2].min() > belt.top_z - 0.02)
+
+    def _has_left(self, part: int) -> bool:
+        """Whether a moving belt has carried the part over its end, where the tray is."""
+        belt = self._world.layout.belt
+        x, y, _ = self._world.X_WO(part).translation
+        return bool(belt.speed and y < -belt.length / 2 and abs(x - belt.center_x) <= belt.width / 2 + TRAY_MARGIN)
 
     def _is_placed(self, part: int) -> bool:
         vertices = self._vertices_W(part)

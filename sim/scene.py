@@ -3,12 +3,12 @@
 from collections.abc import Sequence
 
 import mujoco
-import numpy as np
 
-from cell.layout import Belt, Container, Layout
-from sim.bodies import FURNITURE_FRICTION, add_part, add_part_assets, part_body, set_physics
+from cell.layout import Layout
+from sim.bodies import add_part, add_part_assets, part_body, set_physics
 from sim.conditions import Conditions
-from sim.disturbances import BELT_MATERIAL, disturb
+from sim.disturbances import disturb
+from sim.furniture import add_furniture
 from sim.parts import PartModel
 from sim.robot import add_robot
 
@@ -16,11 +16,7 @@ TIME_STEP = 0.001  # s; at 2 ms a held part drifts by up to 1.3 mm in a transfer
 ROBOT = "shoulder"  # root of everything that moves with the robot
 SURFACE_VELOCITY_Y = 1  # index into a geom's six surface velocities
 
-_BOX = mujoco.mjtGeom.mjGEOM_BOX
 _FORCE_OF_STRONGEST_CONTACT = (2, 2, 1)  # data: force; reduce: by largest force; one slot
-BELT_RGBA = (0.38, 0.47, 0.42, 1.0)
-FRAME_RGBA = (0.62, 0.64, 0.66, 1.0)
-CONTAINER_RGBA = (0.20, 0.36, 0.60, 1.0)
 
 
 def robot_touches(other: str) -> str:
@@ -55,9 +51,7 @@ def build_scene(
     spec.compiler.degree = False
     set_physics(spec, TIME_STEP)
     _set_visuals(spec)
-    _add_surroundings(spec, layout)
-    _add_belt(spec, layout.belt, layout.floor_z)
-    _add_container(spec, layout.container, slot_size, layout.floor_z)
+    add_furniture(spec, layout, slot_size)
     camera_true, X_FC_true = conditions.camera_true(layout.camera), conditions.X_FC_true(layout.X_FC)
     add_robot(spec, layout.gripper, camera_true, X_FC_true, use_meshes)
     for model in {model.part.name: model for model in models}.values():
@@ -81,108 +75,6 @@ def _set_visuals(spec: mujoco.MjSpec) -> None:
     spec.stat.extent, spec.stat.center = 2.0, (0.4, -0.3, 0.1)
     headlight = spec.visual.headlight
     headlight.ambient, headlight.diffuse, headlight.specular = [0.35] * 3, [0.35] * 3, [0.2] * 3
-
-
-def _add_surroundings(spec: mujoco.MjSpec, layout: Layout) -> None:
-    spec.add_texture(
-        name="sky",
-        type=mujoco.mjtTexture.mjTEXTURE_SKYBOX,
-        builtin=mujoco.mjtBuiltin.mjBUILTIN_GRADIENT,
-        rgb1=[0.86, 0.89, 0.92],
-        rgb2=[0.62, 0.67, 0.72],
-        width=64,
-        height=384,
-    )
-    spec.add_texture(
-        name="floor",
-        type=mujoco.mjtTexture.mjTEXTURE_2D,
-        builtin=mujoco.mjtBuiltin.mjBUILTIN_CHECKER,
-        rgb1=[0.74, 0.75, 0.76],
-        rgb2=[0.70, 0.71, 0.72],
-        width=256,
-        height=256,
-    )
-    floor = spec.add_material(name="floor", texrepeat=[4, 4], texuniform=True, reflectance=0.0)
-    floor.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = "floor"
-    world = spec.worldbody
-    body = world.add_body(name="floor", pos=(0, 0, layout.floor_z))
-    body.add_geom(type=mujoco.mjtGeom.mjGEOM_PLANE, size=[4, 4, 0.1], material="floor", friction=FURNITURE_FRICTION)
-    body.add_geom(
-        type=_BOX, size=[0.13, 0.13, -layout.floor_z / 2], pos=[0, 0, -layout.floor_z / 2], rgba=[0.25, 0.27, 0.30, 1]
-    )
-    for pos, direction, strength, shadow in (
-        ((1.6, 1.2, 2.6), (-0.5, -0.4, -1.0), 0.55, True),
-        ((0.2, -2.0, 2.4), (0.1, 0.7, -1.0), 0.25, False),
-    ):
-        light = world.add_light(pos=pos, dir=direction, castshadow=shadow)
-        light.type = mujoco.mjtLightType.mjLIGHT_DIRECTIONAL
-        light.diffuse, light.specular = [strength] * 3, [0.4 * strength] * 3
-    world.add_camera(
-        name="overview", pos=(2.35, -1.75, 1.25), xyaxes=(0.6224, 0.7827, -0.0000, -0.3101, 0.2466, 0.9182), fovy=38
-    )
-
-
-def _add_belt(spec: mujoco.MjSpec, belt: Belt, floor_z: float) -> None:
-    body = spec.worldbody.add_body(name="belt", pos=(belt.center_x, 0.0, belt.top_z))
-    # Specular and shininess of a body without a material; its reflectance is a matter of the conditions.
-    spec.add_material(name=BELT_MATERIAL, rgba=BELT_RGBA, specular=0.5, shininess=0.5, reflectance=0.0)
-    half_x, half_y, thickness = belt.width / 2, belt.length / 2, 0.03
-    solid = {"type": _BOX, "friction": FURNITURE_FRICTION}
-    body.add_geom(
-        name="belt",
-        size=[half_x, half_y, thickness / 2],
-        pos=[0, 0, -thickness / 2],
-        material=BELT_MATERIAL,
-        # Declared as moving so that the engine looks at it at all; sim.world sets the speed, zero during a run.
-        surfacevel=[0, 1e-9, 0, 0, 0, 0],
-        **solid,
-    )
-    for side in (-1, 1):
-        rail_x = side * (half_x + 0.015)
-        body.add_geom(size=[0.014, half_y + 0.03, 0.045], pos=[rail_x, 0, -0.033], rgba=FRAME_RGBA, **solid)
-        end_y = side * (half_y + 0.03)
-        body.add_geom(
-            type=mujoco.mjtGeom.mjGEOM_CYLINDER,
-            size=[0.028, half_x, 0],
-            pos=[0, side * half_y, -0.031],
-            quat=[np.sqrt(0.5), 0, np.sqrt(0.5), 0],
-            rgba=BELT_RGBA,
-            contype=0,
-            conaffinity=0,
-        )
-        for leg_x in (-half_x, half_x):
-            height = belt.top_z - floor_z
-            body.add_geom(
-                size=[0.02, 0.02, height / 2],
-                pos=[leg_x, 0.8 * end_y, -height / 2 - 0.02],
-                rgba=FRAME_RGBA,
-                contype=0,
-                conaffinity=0,
-                type=_BOX,
-            )
-
-
-def _add_container(spec: mujoco.MjSpec, container: Container, slot_size: tuple[float, float], floor_z: float) -> None:
-    body = spec.worldbody.add_body(name="container", pos=(container.center_x, container.center_y, container.floor_z))
-    wall, height = container.wall_thickness, container.wall_height
-    length_x = container.columns * (slot_size[0] + wall) + wall
-    length_y = container.rows * (slot_size[1] + wall) + wall
-    solid = {"type": _BOX, "rgba": CONTAINER_RGBA, "friction": FURNITURE_FRICTION}
-    body.add_geom(size=[length_x / 2, length_y / 2, 0.005], pos=[0, 0, -0.005], **solid)
-    for column in range(container.columns + 1):
-        x = (column - container.columns / 2) * (slot_size[0] + wall)
-        body.add_geom(size=[wall / 2, length_y / 2, height / 2], pos=[x, 0, height / 2], **solid)
-    for row in range(container.rows + 1):
-        y = (row - container.rows / 2) * (slot_size[1] + wall)
-        body.add_geom(size=[length_x / 2, wall / 2, height / 2], pos=[0, y, height / 2], **solid)
-    table = container.floor_z - 0.010 - floor_z
-    body.add_geom(
-        type=_BOX,
-        size=[length_x / 2, length_y / 2, table / 2],
-        pos=[0, 0, -0.010 - table / 2],
-        rgba=FRAME_RGBA,
-        friction=FURNITURE_FRICTION,
-    )
 
 
 def _add_sensors(spec: mujoco.MjSpec, parts: int) -> None:

@@ -49,7 +49,7 @@ def set_stage(
         SimError: the parts have no room, or do not come to rest.
     """
     world, model = here.world, here.world.part_model
-    world.reset(starting_poses(model, world.parts, world.layout, streams))
+    world.reset(starting_poses(world, streams))
     station = SimStation(world, here.camera, booth)
     if isinstance(estimators, str):
         estimators = make_estimators(estimators, booth, model.part, noise or load_noise(model.noise), streams)

@@ -88,6 +88,8 @@ class World:
         mujoco.mj_step(self.model, self.data, round(SETTLE_TIME / self.model.opt.timestep))
         self.check()
         self.data.time = 0.0
+        if self.layout.belt.speed:
+            self.move_belt(-self.layout.belt.speed)
 
     @property
     def time(self) -> float:

@@ -73,7 +73,7 @@ def attempt(
         states.append(state)
 
     motion = motion or Motion(station, layout, PRESETS["ur-default"])
-    return Tried(Attempt(motion, PART, enter).run(X_BO_est, container_slot=2), states, station)
+    return Tried(Attempt(motion, PART, enter).run(X_BO_est, container_slot=2, seen_at=0.0), states, station)
 
 
 # Where the tool stands after an attempt on X_BO, in W. The brick is gripped at its middle, 20 mm above its lower side,

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from cell.errors import CellError, InvalidTrajectoryError, KinematicsInputError
 from cell.speed import PRESETS, SpeedPreset
-from cell.trajectory import JointTrajectory, hold, joint_move, line_move, retraced
+from cell.trajectory import JointTrajectory, hold, joint_move, line_move
 from cell.ur10 import JOINT_LIMIT, SPEED_LIMITS, forward, forward_batch, inverse, inverse_on_branch
 from maskval import Pose
 
@@ -214,17 +214,6 @@ def test_line_is_none_from_joints_of_another_class_of_solutions() -> None:
 def test_line_refuses_a_start_pose_that_the_start_joints_do_not_have() -> None:
     with pytest.raises(InvalidTrajectoryError, match=r"q_start and X_BF_start differ by 3\.00e-01"):
         line_move(X_LOW, X_HIGH, joints_at(X_HIGH), UR_DEFAULT, DT)
-
-
-def test_retraced_line_goes_back_to_its_start_at_the_same_speed() -> None:
-    there = line(X_HIGH, X_LOW)
-    back = retraced(there)
-    np.testing.assert_array_equal(back.positions[0], there.positions[-1])
-    np.testing.assert_array_equal(back.positions[-1], there.positions[0])
-    assert back.duration_s == there.duration_s
-    np.testing.assert_array_equal(back.velocities, -there.velocities[::-1])
-    np.testing.assert_array_equal(retraced(back).positions, there.positions)
-    np.testing.assert_array_equal(retraced(back).velocities, there.velocities)
 
 
 @pytest.mark.parametrize(

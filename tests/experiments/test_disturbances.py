@@ -1,5 +1,7 @@
 """What disturbs the cell, seen in whole experiments."""
 
+from dataclasses import replace
+
 import pytest
 
 from experiments.experiment import ExperimentSpec, Result, run_experiment
@@ -7,12 +9,9 @@ from experiments.thresholds import load_thresholds
 from sim.conditions import Conditions
 
 
-def result(parts: int = 1, part: str = "antenna", experiment: int = 0, **knobs: object) -> Result:
-    return run_experiment(
-        ExperimentSpec(
-            part, "none", "oracle", load_thresholds("paper"), "fast", parts, 5, experiment, Conditions(**knobs)
-        )
-    )
+def result(parts: int = 1, part: str = "antenna", experiment: int = 0, speed: str = "fast", **knobs: object) -> Result:
+    spec = ExperimentSpec(part, "none", "oracle", load_thresholds("paper"), speed, parts, 5, experiment)
+    return run_experiment(replace(spec, conditions=Conditions(**knobs)))
 
 
 def test_latency_lengthens_a_slot_by_itself_for_every_look() -> None:
@@ -28,3 +27,28 @@ def test_a_camera_far_from_where_the_robot_believes_it_spoils_the_grasp() -> Non
     count = result(hand_eye_error_mm=(0.0, 40.0, 0.0)).count
     assert count is not None
     assert count.tp == 0
+
+
+@pytest.mark.parametrize(("part", "speed"), [("antenna", 0.1), ("handle", 0.15)])
+def test_a_part_that_comes_along_the_belt_is_placed(part: str, speed: float) -> None:
+    over = result(part=part, belt_speed=speed)
+    assert over.count is not None
+    assert (over.count.tp, over.count.fp, over.count.fn) == (1, 0, 0)
+    (attempt,) = over.tables["attempts"]
+    times = {row["target"]: row["time_s"] for row in over.tables["transitions"]}
+    assert speed * (times["lift"] - over.tables["frames"][0]["time_s"]) > 0.1  # m that the belt ran before the lift
+    assert attempt["outcome"] == "placed"
+
+
+def test_a_part_that_is_never_grasped_leaves_the_belt_and_counts_as_left() -> None:
+    over = result(hand_eye_error_mm=(0.0, 100.0, 0.0), belt_speed=0.15)
+    assert over.count is not None
+    assert (over.count.tp, over.count.fn) == (0, 1)
+
+
+@pytest.mark.study
+@pytest.mark.parametrize("part", ["antenna", "handle"])
+@pytest.mark.parametrize("speed", [0.05, 0.1])
+def test_with_exact_estimates_every_part_on_the_moving_belt_is_placed(part: str, speed: float) -> None:
+    counts = [result(8, part, experiment, speed="ur-default", belt_speed=speed).count for experiment in range(5)]
+    assert [(count.tp, count.fp, count.fn) for count in counts if count] == [(8, 0, 0)] * 5

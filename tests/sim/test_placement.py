@@ -8,7 +8,7 @@ from cell.layout import Belt
 from maskval import Pose
 from sim.errors import PlacementError
 from sim.parts import PartModel, load_part
-from sim.placement import CLEARANCE, DROP_HEIGHT, gap, place_parts
+from sim.placement import CLEARANCE, DROP_HEIGHT, TAKT_SPREAD, feed_parts, feeding_length, gap, place_parts
 
 SEEDS = range(10)
 
@@ -70,3 +70,26 @@ def test_the_gap_of_two_squares_is_their_distance() -> None:
     assert gap(SQUARE, np.add(SQUARE, [0.9, 0.5])) == pytest.approx(-0.1)
     # Corner to corner the true distance is 0.3 √2; the bound is the larger of the two shifts.
     assert gap(SQUARE, np.add(SQUARE, [1.3, 1.3])) == pytest.approx(0.3)
+
+
+@pytest.mark.parametrize("name", ["antenna", "handle"])
+@pytest.mark.parametrize("speed", [0.001, 0.1])
+def test_parts_come_along_a_moving_belt_in_order_and_in_takt(name: str, speed: float) -> None:
+    model, takt = load_part(name), 15.0
+    belt = Belt(speed=speed, upstream=feeding_length(speed, takt, 8))
+    intervals = []
+    for seed in SEEDS:
+        outlines = [outline(model, pose) for pose in feed_parts(model, 8, belt, np.random.default_rng(seed), takt)]
+        front = np.array([one[:, 1].min() for one in outlines])
+        back = np.array([one[:, 1].max() for one in outlines])
+        assert front[0] == pytest.approx(belt.loading_length / 2)  # about to come into reach
+        assert back[-1] <= belt.length / 2 + belt.upstream
+        assert (front[1:] - back[:-1] >= CLEARANCE - 1e-9).all()
+        for one in outlines:
+            assert np.all(np.abs(one[:, 0] - belt.center_x) <= belt.width / 2 - CLEARANCE + 1e-9)
+        intervals += list(np.diff(front) / speed)
+    assert len(intervals) == len(SEEDS) * 7
+    if speed == 0.1:  # at 1 mm/s parts of 0.1 m and more need longer than the takt
+        assert np.abs(np.array(intervals) / takt - 1).max() <= TAKT_SPREAD
+        # Uniform: the mean's standard deviation is takt · spread / √3 / √70.
+        assert np.mean(intervals) == pytest.approx(takt, abs=4 * takt * TAKT_SPREAD / np.sqrt(3 * 70))

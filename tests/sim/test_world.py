@@ -1,17 +1,22 @@
+import contextlib
 import hashlib
 
 import mujoco
 import numpy as np
 import pytest
 
-from cell.layout import Layout
+from cell.layout import Belt, Layout
 from cell.speed import PRESETS
 from cell.trajectory import joint_move, line_move
 from cell.ur10 import forward
 from maskval import Pose
+from sim.camera import Camera
 from sim.errors import DivergenceError
 from sim.parts import PartModel
 from sim.placement import place_parts
+from sim.referee import SimReferee
+from sim.station import SimStation
+from sim.truth import TruthBooth
 from sim.world import World
 from tests.sim.conftest import on_belt, standing
 
@@ -74,6 +79,24 @@ def test_the_belt_carries_parts_at_its_speed_and_stops_with_them(antenna: PartMo
     for _ in range(round(0.5 / world.time_step)):
         world.step()
     assert np.abs(np.subtract(stopped, [world.X_WO(part).matrix for part in range(2)])).max() < 1e-5
+
+
+def test_what_a_moving_belt_carries_over_its_end_falls_into_the_tray_and_counts_as_left(antenna: PartModel) -> None:
+    belt = Belt(speed=0.15, upstream=1.0)
+    world = World(Layout(belt=belt), antenna, 2)
+    near_end, upstream = -belt.length / 2 + 0.05, belt.length / 2 + 0.5
+    world.reset([on_belt(antenna, belt.center_x, y, standing(antenna)) for y in (near_end, upstream)])
+    start = world.X_WO(1).translation[1]
+    for _ in range(round(2.0 / world.time_step)):
+        world.step()
+    fallen, coming = (world.X_WO(part).translation for part in range(2))
+    assert belt.top_z - 0.25 < fallen[2] < belt.top_z - 0.10
+    assert fallen[1] < -belt.length / 2
+    assert coming[1] - start == pytest.approx(-0.15 * 2.0, abs=2.5e-3)  # slip, see above
+    with contextlib.closing(Camera(world.model, 48, 64)) as camera:
+        referee = SimReferee(world, SimStation(world, camera, TruthBooth()))
+        assert [referee.is_on_belt(part) for part in range(2)] == [False, True]
+        assert referee.parts_on_belt() == 2
 
 
 def history(world: World, antenna: PartModel, seed: int) -> str:
