@@ -60,7 +60,7 @@ def world(rendered: PartNoise, member: dict[str, float], gap: Gap) -> Noise:
 
 
 def load_ensemble(noise: str, rendered: PartNoise) -> list[dict[str, float]]:
-    """The accepted parameter sets of an error model; the model itself where none come with it.
+    """The model itself, which changes nothing, and the other accepted parameter sets that come with it.
 
     Args:
         noise: The model's name or file.
@@ -78,7 +78,7 @@ def load_ensemble(noise: str, rendered: PartNoise) -> list[dict[str, float]]:
             rendered.changed(member)
     except (ValueError, TypeError, AttributeError, NoiseFileError) as error:
         raise UsageError(f"the ensemble of {noise} is malformed: {error}") from error
-    return members or [{}]
+    return [{}, *members]
 
 
 def taken(items: Sequence[Any], index: int) -> Any:
