@@ -128,7 +128,7 @@ def rows(table: str) -> list[dict[str, Any]]:
 
 FAILING = {  # what is named, which kind of party, and why the experiment failed
     "Raising": ("--estimator", "EstimatorError: Raising on frame 1: raised IndexError: list index out of"),
-    "Hanging": ("--estimator", "EstimatorError: Hanging on frame 1: took longer than 0.5 s"),
+    "Hanging": ("--estimator", "EstimatorError: Hanging on frame 1: took longer than 1 s"),
     "Leaving": ("--estimator", "EstimatorError: Leaving on frame 0: raised SystemExit: no GPU"),
     "Garbling": (
         "--estimator",
@@ -136,7 +136,7 @@ FAILING = {  # what is named, which kind of party, and why the experiment failed
     ),
     "Doubting": ("--methods", "EstimatorError: Doubting on frame 1: expected 1 uncertainties in [0, 1], got [1.5]"),
     "Halting": ("--policy", "PolicyError: Halting on frame 1: raised RuntimeError: no idea"),
-    "Stuck": ("--policy", "PolicyError: Stuck on frame 1: took longer than 0.5 s"),
+    "Stuck": ("--policy", "PolicyError: Stuck on frame 1: took longer than 1 s"),
     "Vague": ("--policy", "PolicyError: Vague on frame 1: expected a cell.interfaces.Decision, got str"),
 }
 
@@ -147,7 +147,7 @@ def test_who_fails_is_reported_by_name_and_frame_and_ends_nothing_but_its_experi
 ) -> None:
     option, reason = FAILING[name]
     sees = () if option == "--estimator" else ("--estimator", "own:Seeing")
-    told = compared(capsys, option, f"own:{name}", *sees, "--time-limit", 0.5)
+    told = compared(capsys, option, f"own:{name}", *sees, "--time-limit", 1)
     assert told.code == 3
     for experiment in (0, 1):
         assert f"experiment {experiment}: {reason}" in told.out
@@ -177,9 +177,9 @@ def test_estimators_that_cannot_be_made_fail_their_experiment_with_the_reason(na
 def test_workers_find_modules_of_the_current_folder_and_outlive_one_that_hangs(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    told = compared(capsys, "--estimator", "own:Hanging", "--time-limit", 0.5, jobs=2)
+    told = compared(capsys, "--estimator", "own:Hanging", "--time-limit", 1, jobs=2)
     assert told.code == 3
-    assert told.out.count("Hanging on frame 1: took longer than 0.5 s") == 2
+    assert told.out.count("Hanging on frame 1: took longer than 1 s") == 2
 
 
 def test_estimators_from_elsewhere_see_for_the_robot(capsys: pytest.CaptureFixture[str]) -> None:
