@@ -5,7 +5,7 @@ BIN := $(VENV)/bin
 OUT ?= out/compare
 READY := $(VENV)/.ready
 
-.PHONY: run test check study picture clean
+.PHONY: run test check study thresholds picture clean
 
 run: $(READY)
 	$(BIN)/graspcell compare --out $(OUT)
@@ -18,6 +18,11 @@ check: $(READY)
 	$(BIN)/ruff check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+
+# The thresholds that `compare` takes by default, for the error models as they are: some 10 minutes on 2 cores.
+thresholds: $(READY)
+	$(BIN)/graspcell dataset --methods all --resamples 1 --out out/thresholds
+	cp out/thresholds/thresholds.toml experiments/presets/derived.toml
 
 # Measured trials of minutes: not part of `make test`.
 study: $(READY)

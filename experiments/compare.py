@@ -11,11 +11,13 @@ from cell.records import Count
 from experiments.checks import FAILED, writable_folder
 from experiments.config import Compare
 from experiments.experiment import ExperimentSpec, Result, run_experiment
+from experiments.methods import known_method
 from experiments.pool import run_all
 from experiments.provenance import manifest, write_json
 from experiments.report import format_table
 from experiments.store import LogWriter
 from experiments.table import Cell, make_cell
+from policies import Threshold
 from sim.errors import SimError
 from sim.parts import load_part
 
@@ -59,11 +61,19 @@ def compare(config: Compare) -> int:
     write_json(folder / "table.json", {"cells": [cell.as_json() for cell in cells]})
     write_json(
         folder / "manifest.json",
-        {**manifest(config), "seed": config.seed, "finished": len(results), "planned": len(specs)},
+        {
+            **manifest(config),
+            "seed": config.seed,
+            "finished": len(results),
+            "planned": len(specs),
+            "u_grasp": grasp_thresholds(specs),
+        },
     )
     if config.parties.policy is not None:
         print(f"policy: {config.parties.policy}")
     print(format_table(cells))
+    for caveat in caveats(specs):
+        print(caveat)
     for result in results:
         if result.failure is not None:
             spec = result.spec
@@ -82,3 +92,25 @@ def make_cells(specs: Sequence[ExperimentSpec], results: Sequence[Result]) -> li
     for result in results:
         counts[result.spec.part, result.spec.method].append(result.count)
     return [make_cell(load_part(part).part.name, method, group) for (part, method), group in counts.items() if group]
+
+
+def grasp_thresholds(specs: Sequence[ExperimentSpec]) -> dict[str, dict[str, float]]:
+    """The u_t,g in use, by object and method."""
+    found: dict[str, dict[str, float]] = {}
+    for spec in {(spec.part, spec.method): spec for spec in specs}.values():
+        part = load_part(spec.part).part
+        policy = known_method(spec.method, part, spec.thresholds).policy
+        if isinstance(policy, Threshold):
+            found.setdefault(part.name, {})[spec.method] = policy.u_grasp
+    return found
+
+
+def caveats(specs: Sequence[ExperimentSpec]) -> list[str]:
+    """A line for each u_t,g that was neither told nor derived by the rule of the others."""
+    thresholds = specs[0].thresholds
+    return [
+        f"{part} × {method}: u_t,g = {u:.3f}: {caveat}"
+        for part, row in grasp_thresholds(specs).items()
+        for method, u in row.items()
+        if (caveat := thresholds.caveat(part, method)) is not None
+    ]

@@ -42,7 +42,7 @@ class Compare:
     """Root of all random numbers."""
     parties: Players = field(default_factory=Parties)
     """Who sees and who decides."""
-    thresholds: str = "paper"
+    thresholds: str = "derived"
     """A preset (derived, paper), or a TOML file of the same form, such as graspcell dataset writes."""
     u_grasp: tuple[str, ...] = ()
     """Grasping thresholds of your own for all objects, METHOD=U; they go before those of --thresholds."""
@@ -127,7 +127,7 @@ class Run:
     """Root of all random numbers."""
     parties: Players = field(default_factory=Parties)
     """Who sees and who decides."""
-    thresholds: str = "paper"
+    thresholds: str = "derived"
     """A preset (derived, paper), or a TOML file of the same form, such as graspcell dataset writes."""
     u_grasp: float | None = None
     """Grasping threshold of your own; goes before that of --thresholds."""

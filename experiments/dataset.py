@@ -12,8 +12,9 @@ from experiments.dataset_batch import BatchTask, Judged, run_batch
 from experiments.dataset_coco import Matches
 from experiments.dataset_config import Dataset
 from experiments.dataset_metrics import Figures
-from experiments.dataset_report import format_alternatives, format_tables, thresholds_toml
+from experiments.dataset_report import format_alternatives, format_tables
 from experiments.dataset_score import Scored, alternatives, score
+from experiments.dataset_thresholds import thresholds_toml
 from experiments.pool import run_all
 from experiments.provenance import manifest, write_json
 from sim.dataset import Recipe
@@ -42,7 +43,7 @@ def dataset(config: Dataset) -> int:
         print("graspcell: error: a worker process died (out of memory?); nothing is written", file=sys.stderr)
         return WORKER_DIED
     write_json(folder / "dataset.json", {"objects": [one.as_json() for one in sets]})
-    (folder / "thresholds.toml").write_text(thresholds_toml(sets), encoding="utf-8")
+    (folder / "thresholds.toml").write_text(thresholds_toml(sets, config.command), encoding="utf-8")
     write_json(folder / "manifest.json", {**manifest(config), "seed": config.seed, "recipe": Recipe()})
     if config.figures:
         from experiments.dataset_figures import draw_curves, draw_errors  # noqa: PLC0415  # needs an extra

@@ -3,7 +3,8 @@
 # ruff: noqa: PLC0415  # the parts are loaded when the job begins: --help does not wait for them
 
 import os
-from dataclasses import dataclass
+import shlex
+from dataclasses import dataclass, fields
 from pathlib import Path
 
 from experiments.checks import at_least, writable_folder
@@ -57,6 +58,18 @@ class Dataset:
     """Also draw curves.png and errors.png; needs the extra graspcell[figures]."""
     out: Path = Path("out/dataset")
     """Folder for the results; made if missing."""
+
+    @property
+    def command(self) -> str:
+        """What to type for the same figures: every option that differs from its default and changes them."""
+        words = ["graspcell dataset"]
+        for option in fields(self):
+            value = getattr(self, option.name)
+            if value == option.default or option.name in ("resamples", "jobs", "alternatives", "figures", "out"):
+                continue
+            values = map(str, value) if isinstance(value, tuple) else [str(value)]
+            words += [f"--{option.name.replace('_', '-')}", *map(shlex.quote, values)]
+        return " ".join(words)
 
     @property
     def rules(self) -> Rules:

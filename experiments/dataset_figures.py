@@ -10,7 +10,6 @@ from experiments.dataset_metrics import ERRORS_M
 from experiments.dataset_score import Scored
 from experiments.errors import UsageError
 
-_DRAWN = {"maskval": "C0", "ensemble-add": "C1", "oracle-mask": "C2", "random": "0.6"}
 _SHOWN_M = 0.1  # larger errors are drawn as this one: a few metres would hide all others
 
 
@@ -32,7 +31,8 @@ def draw_curves(sets: Sequence[Scored], path: Path) -> None:
     panels = figure.subplots(1, len(sets), sharey=True, squeeze=False)[0]
     for axes, one in zip(panels, sets, strict=True):
         axes.plot(1e3 * ERRORS_M, 100 * next(iter(one.curves.values())).ar_star, color="k", label="AR*")
-        for method, color in _DRAWN.items():
+        drawn = [method for method in one.curves if method != "oracle-mdd"]  # its AR is AR*
+        for method, color in zip(drawn, colors(len(drawn)), strict=True):
             curve = one.curves[method]
             axes.plot(1e3 * ERRORS_M, 100 * curve.ar, color=color, label=f"{method} AR")
             axes.plot(1e3 * ERRORS_M, 100 * curve.aru, color=color, linestyle=":", label=f"{method} ARU")
@@ -58,6 +58,14 @@ def draw_errors(sets: Sequence[Scored], path: Path) -> None:
     axes.set_xticks(range(len(drawn)), [one.object for one in drawn])
     axes.grid(axis="y", alpha=0.3)
     figure.savefig(path, dpi=110)
+
+
+def colors(count: int) -> list[str]:
+    """As many different colours."""
+    from matplotlib import colormaps  # noqa: PLC0415  # an extra
+    from matplotlib.colors import to_hex  # noqa: PLC0415
+
+    return [to_hex(color) for color in colormaps["tab20"](range(count))]
 
 
 def _figure(width: float) -> Any:

@@ -62,6 +62,20 @@ def figures(evaluation: Evaluation, rules: Rules) -> Figures:
     )
 
 
+def least_error_threshold(evaluation: Evaluation) -> float | None:
+    """The u that sorts the poses at the paper's e_t with the fewest errors: wrong ones kept, right ones not kept.
+
+    Of equally good ones the least. For methods that reach the demanded AP at no threshold; None without right poses.
+    """
+    order = np.argsort(evaluation.u, kind="stable")
+    u, good = evaluation.u[order], evaluation.errors_m[order] <= ERRORS_M[ERROR_THRESHOLD]
+    if not good.any():
+        return None
+    saved = np.cumsum(np.where(good, 1, -1))  # errors fewer than if nothing were kept
+    saved[:-1][np.diff(u) == 0] = saved.min() - 1  # poses of equal u are kept together
+    return float(u[np.argmax(saved)])
+
+
 def curves(evaluation: Evaluation, rules: Rules) -> Curves:
     """AR and ARU at the threshold that reaches the AP, and AR* of all poses, over the error thresholds."""
     u: list[float | None] = []

@@ -1,16 +1,13 @@
-"""The paper's dataset tables as text, ours beside the paper's, and the thresholds that `compare` takes."""
+"""The paper's dataset tables as text, ours beside the paper's."""
 
-import json
 from collections.abc import Sequence
 
 from experiments.calibration import paper_figures
 from experiments.dataset_metrics import Figures
 from experiments.dataset_score import Scored
-from experiments.thresholds import load_thresholds
 from maskval import Measured
 
 _MASK_NAMES = {"ap_50_95": "AP50:95", "ap_50": "AP50", "ar_100": "AR100"}
-_PAPERS_METHODS = ("ensemble-add", "maskval")
 
 
 def format_tables(sets: Sequence[Scored]) -> str:
@@ -25,10 +22,11 @@ def format_tables(sets: Sequence[Scored]) -> str:
         paper = paper_figures(one.object)
         cells = (_cell(one.mask[name], paper.get(("mask", name)), 100.0) for name in _MASK_NAMES)
         lines.append(f"{one.object:10} {one.images:7} " + " ".join(cells))
+    width = max(13, *(len(method) for one in sets for method in one.methods))
     lines += [
         "",
         "uncertainty",
-        f"{'object':10} {'method':13} {'Spearman':>29} {'AUC AR, %':>29} {'u_t,g at 15 mm':>29}",
+        f"{'object':10} {'method':{width}} {'Spearman':>29} {'AUC AR, %':>29} {'u_t,g at 15 mm':>29}",
     ]
     for one in sets:
         paper = paper_figures(one.object)
@@ -42,7 +40,7 @@ def format_tables(sets: Sequence[Scored]) -> str:
                 )
                 for name in row
             )
-            lines.append(f"{one.object:10} {method:13} " + " ".join(cells))
+            lines.append(f"{one.object:10} {method:{width}} " + " ".join(cells))
     lines += ["", "poses"]
     for one in sets:
         median = one.median_mdd_m
@@ -65,32 +63,6 @@ def format_alternatives(found: dict[str, dict[str, dict[str, Figures]]]) -> str:
                     f"{_number(one.auc_ar, 100.0, 1):>9} {_number(one.u_tg, 1.0, 3):>6}"
                 )
     return "\n".join(lines)
-
-
-def thresholds_toml(sets: Sequence[Scored], refine: float | None = None) -> str:
-    """The derived thresholds in the form of `experiments/presets/paper.toml`; what could not be found is left out.
-
-    Args:
-        sets: The parts' figures.
-        refine: u_t,r; the paper's by default, for it cannot be had from a dataset.
-    """
-    if refine is None:
-        refine = load_thresholds("paper").refine
-    lines = [
-        "# Thresholds u_t,g at e_t = 15 mm and AP >= 0.99, derived by `graspcell dataset`; u_t,r is the paper's.",
-        "",
-    ]
-    lines += [f"refine = {refine!r}", "", "[grasp]"]
-    for one in sets:
-        lines += ["", f"[grasp.{json.dumps(one.object)}]"]
-        for method in _PAPERS_METHODS:
-            u = one.methods[method]["u_tg"].value
-            lines.append(f"# {method}: no threshold reaches the AP" if u is None else f"{method} = {u!r}")
-    lines += ["", "# The least disagreement of the two estimators on the set, in metres.", "[ensemble_add_minimum_m]"]
-    for one in sets:
-        if one.least_disagreement_m is not None:
-            lines.append(f"{json.dumps(one.object)} = {one.least_disagreement_m!r}")
-    return "\n".join(lines) + "\n"
 
 
 def _cell(measured: Measured, paper: float | None, unit: float, digits: int = 1) -> str:

@@ -19,12 +19,14 @@ from experiments.dataset_metrics import (
     evaluations,
     figures,
     least_disagreement,
+    least_error_threshold,
 )
 from experiments.dataset_rules import ALTERNATIVES, Rules
 from maskval import Measured, rates
 from maskval.intervals import percentile_interval
 
 LEVEL = 0.95
+PAPERS_METHODS = ("ensemble-add", "maskval")
 _QUANTILES = np.linspace(0.0, 1.0, 101)
 
 Array = NDArray[np.float64]
@@ -46,6 +48,8 @@ class Scored:
         median_mdd_m: median error of the poses that show a part, m.
         mdd_m: their errors, (M,).
         least_disagreement_m: least ADD between S1 and S2, m; None without poses.
+        least_error_u: by method, the threshold that sorts right and wrong poses with the fewest errors; None without
+            right ones.
     """
 
     object: str
@@ -59,6 +63,7 @@ class Scored:
     median_mdd_m: Measured
     mdd_m: Array
     least_disagreement_m: float | None
+    least_error_u: dict[str, float | None]
 
     def as_json(self) -> dict[str, Any]:
         """The set's entry in dataset.json."""
@@ -74,6 +79,7 @@ class Scored:
             "median_mdd_m": self.median_mdd_m.value,
             "median_mdd_m_ci": self.median_mdd_m.interval,
             "ensemble_add_minimum_m": self.least_disagreement_m,
+            "least_error_u": self.least_error_u,
             "curves": {
                 "e_t_m": ERRORS_M.tolist(),
                 "ar_star": any_curve.ar_star.tolist(),
@@ -116,6 +122,7 @@ def score(name: str, judged: Judged, matches: Matches, rules: Rules, *, seed: in
         median_mdd_m=Measured(_median(mdd_m), _interval(_median(np.repeat(mdd_m, row[image])) for row in weights)),
         mdd_m=mdd_m,
         least_disagreement_m=least_disagreement(judged),
+        least_error_u={method: least_error_threshold(one) for method, one in sets.items()},
     )
 
 
@@ -124,7 +131,7 @@ def alternatives(judged: Judged) -> dict[str, dict[str, Figures]]:
     found = {}
     for name, rules in ALTERNATIVES.items():
         sets = evaluations(judged, rules)
-        found[name] = {method: figures(sets[method], rules) for method in ("ensemble-add", "maskval")}
+        found[name] = {method: figures(one, rules) for method, one in sets.items() if method in PAPERS_METHODS}
     return found
 
 

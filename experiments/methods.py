@@ -83,6 +83,9 @@ METHODS: dict[str, Callable[[Context], UncertaintyMethod]] = {
 }
 
 
+NEEDS_NO_THRESHOLD = ("none",)
+
+
 def named_methods(names: Sequence[str]) -> tuple[str, ...]:
     """The names, with "all" for every method of `METHODS`."""
     return tuple(METHODS) if list(names) == ["all"] else tuple(names)
@@ -112,7 +115,7 @@ def make_method(name: str, context: Context) -> Method:
         UsageError: there is none, or no threshold for it.
     """
     uncertainty = make_uncertainty(name, context)
-    if name == "none":
+    if name in NEEDS_NO_THRESHOLD:
         return Method(uncertainty, Always())
     thresholds = context.thresholds
     u_grasp = thresholds.of(context.part.name, name, own_threshold(uncertainty))

@@ -6,7 +6,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from maskval.depth import depth_image
+from maskval.depth import depth_crop
 from maskval.errors import InvalidEstimatesError
 from maskval.estimates import Estimates, Needs
 
@@ -42,11 +42,14 @@ class DepthConsistency:
             raise InvalidEstimatesError("depth consistency needs a depth image, but the estimates hold none")
         u = np.ones(len(estimates))
         for i, (X_CO, mask) in enumerate(zip(estimates.poses[0], estimates.masks, strict=True)):
-            pixels = np.flatnonzero(mask.ravel() & (estimates.depth.ravel() > 0))
-            if len(pixels) == 0:
+            measured_px = np.count_nonzero(mask & (estimates.depth > 0))
+            if measured_px == 0:
                 continue
-            surface = depth_image(estimates.mesh, X_CO, estimates.camera, pixel_center=estimates.pixel_center)
-            rendered, measured = (image.ravel()[pixels].astype(np.float64) for image in (surface, estimates.depth))
-            apart = np.where(rendered > 0, np.abs(rendered - measured), np.inf)
-            u[i] = np.minimum(apart / self.maximum_m, 1.0).mean()
+            crop = depth_crop(estimates.mesh, X_CO, estimates.camera, pixel_center=estimates.pixel_center)
+            height, width = crop.depth.shape
+            window = (slice(crop.top, crop.top + height), slice(crop.left, crop.left + width))
+            both = mask[window] & (estimates.depth[window] > 0) & (crop.depth > 0)
+            apart = np.abs(crop.depth[both].astype(np.float64) - estimates.depth[window][both])
+            agreeing = np.sum(1.0 - np.minimum(apart / self.maximum_m, 1.0))
+            u[i] = max(0.0, 1.0 - agreeing / measured_px)
         return u

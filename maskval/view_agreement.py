@@ -68,11 +68,15 @@ class TemporalConsistency:
             for X_BO in view.poses
         ]
         self._views.append(_View(X_BC.translation, poses))
-        return np.array([min(1.0, _nearest(X_BO, others, estimates.mesh) / self._maximum_m) for X_BO in poses])
+        apart = (_nearest(X_BO, others, estimates.mesh, self._maximum_m) for X_BO in poses)
+        return np.array([min(1.0, distance / self._maximum_m) for distance in apart])
 
 
-def _nearest(X_BO: Pose, others: list[Pose], mesh: Mesh) -> float:
-    """The least maximum distance error between a pose and others, metres; infinite without others."""
-    points_B = X_BO.apply(mesh.vertices)
-    apart = (np.linalg.norm(points_B - other.apply(mesh.vertices), axis=1).max() for other in others)
+def _nearest(X_BO: Pose, others: list[Pose], mesh: Mesh, maximum_m: float) -> float:
+    """The least maximum distance error between a pose and others, metres; infinite where it is above the maximum."""
+    middle_O = mesh.bounds.mean(axis=0)
+    middle_B, points_B = X_BO.apply(middle_O), X_BO.apply(mesh.vertices)
+    # No point inside the vertices' hull, such as the middle, moves farther than the vertex that moves farthest.
+    near = (other for other in others if np.linalg.norm(other.apply(middle_O) - middle_B) <= maximum_m)
+    apart = (np.linalg.norm(points_B - other.apply(mesh.vertices), axis=1).max() for other in near)
     return float(min(apart, default=np.inf))

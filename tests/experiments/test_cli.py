@@ -50,7 +50,14 @@ WRONG = [  # arguments, words that the one line of error must hold
     (["run", "--policy", "pathlib:Path"], ["pathlib:Path", "PolicySetup"]),
     (["run", "--time-limit", "0"], ["--time-limit above 0 s", "got 0"]),
     (["run", "--time-limit", "nan"], ["--time-limit above 0 s", "got nan"]),
-    (["compare", "--thresholds", "papr"], ["unknown thresholds 'papr'", "paper", ".toml"]),
+    (["compare", "--u-grasp", "maskval"], ["--u-grasp METHOD=U of none, ensemble-add, maskval", "got 'maskval'"]),
+    (["compare", "--u-grasp", "depth=0.5"], ["--u-grasp METHOD=U of none, ensemble-add, maskval", "got 'depth=0.5'"]),
+    (["run", "--u-grasp", "1.5"], ["--u-grasp maskval=U with U in [0, 1]", "1.5"]),
+    (
+        ["compare", "--methods", "score", "--thresholds", "paper"],
+        ["paper have no grasp.antenna.score", "--u-grasp score=U"],
+    ),
+    (["compare", "--thresholds", "papr"], ["unknown thresholds 'papr'", "derived, paper", ".toml"]),
     (["compare", "--thresholds", "my.toml"], ["my.toml does not exist"]),
     (["compare", "--speed", "warp"], ["unknown speed 'warp'", "ur-default, moderate, fast"]),
     (["compare", "--jobs", "-1"], ["--jobs of at least 0", "got -1"]),
@@ -133,7 +140,7 @@ def test_help_of_a_command_names_every_option_with_its_default(capsys: pytest.Ca
 
 def test_the_defaults_of_compare_are_the_papers_experiment(capsys: pytest.CaptureFixture[str]) -> None:
     out = " ".join(command(capsys, "compare", "--help").out.replace("│", " ").split())
-    defaults = ("antenna handle", "none ensemble-add maskval", "5", "8", "0", "paper", "ur-default")
+    defaults = ("antenna handle", "none ensemble-add maskval", "5", "8", "0", "derived", "ur-default")
     assert [default for default in defaults if f"(default: {default})" not in out] == []
 
 

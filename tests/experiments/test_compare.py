@@ -20,6 +20,7 @@ from cell.layout import Layout
 from experiments import compare as compare_module
 from experiments.cli import main
 from experiments.experiment import ExperimentSpec, Result, make_cycle, run_experiment
+from experiments.methods import METHODS
 from experiments.store import SCHEMAS
 from experiments.thresholds import load_thresholds
 from maskval import Pose, mask_from_rle
@@ -99,6 +100,32 @@ def test_the_manifest_has_the_seed_the_configuration_and_how_much_is_finished(wh
     assert manifest["config"]["parts"] == PARTS
     assert manifest["finished"] == manifest["planned"] == len(OBJECTS) * len(NAMES) * EXPERIMENTS
     assert {"versions", "commit", "platform"} <= set(manifest)
+
+
+def test_every_method_appears_in_one_comparison_and_what_is_not_derived_is_said(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    arguments = ("--objects", "handle", "--methods", "all", "--experiments", 1, "--speed", "fast")
+    told = compared(capsys, tmp_path, *arguments, "--u-grasp", "score=0.25")
+    assert told.code == 0
+    assert [cell["method"] for cell in table_of(tmp_path)] == list(METHODS)
+    used = json.loads((tmp_path / "manifest.json").read_text(encoding="utf-8"))["u_grasp"]["handle"]
+    assert list(used) == [name for name in METHODS if name != "none"]
+    derived = load_thresholds("derived")
+    assert (used["maskval"], used["score"]) == (derived.of("handle", "maskval"), 0.25)
+    assert "handle × temporal: u_t,g = 0.300: the thresholds derived have none; it is the method's own" in told.out
+    assert "× score: u_t,g" not in told.out
+
+
+def test_a_method_with_a_memory_forgets_between_experiments(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    arguments = ("--objects", "handle", "--methods", "temporal", "--experiments", 2, "--speed", "fast")
+    assert compared(capsys, tmp_path, *arguments).code == 0
+    alone = run_experiment(spec("temporal", experiment=1, part="handle", estimator="noisy"))
+    seen = [row["u"] for row in rows(tmp_path, "estimates", experiment=1)]
+    assert len(seen) > 5
+    assert seen[0] == 1.0
+    assert min(seen) < 0.3
+    assert seen == [row["u"] for row in alone.tables["estimates"]]
 
 
 def test_slots_outcomes_and_counts_agree(whole: Path) -> None:

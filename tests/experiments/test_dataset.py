@@ -11,13 +11,13 @@ from experiments import dataset_config
 from experiments.dataset_batch import BatchTask, Judged, run_batch
 from experiments.dataset_coco import Matches
 from experiments.dataset_metrics import ERRORS_M
-from experiments.methods import known_method
+from experiments.methods import METHODS, known_method
 from experiments.thresholds import load_thresholds
 from maskval import Ensemble
 from sim.parts import load_part
 from tests.experiments.command import Told, command
 
-METHODS = ["maskval", "ensemble-add", "oracle-mask", "oracle-mdd", "random"]
+DEFAULT = ["maskval", "ensemble-add", "oracle-mask", "oracle-mdd", "random"]
 WRONG = [  # arguments, words that the one line of error must hold
     (["--images", "0"], ["--images of at least 1", "got 0"]),
     (["--images", "many"], ["--images", "many"]),
@@ -27,6 +27,10 @@ WRONG = [  # arguments, words that the one line of error must hold
     (["--objects"], ["--objects is empty"]),
     (["--objects", "cup"], ["unknown object 'cup'", "antenna, handle", ".toml"]),
     (["--objects", "handle", "handle"], ["--objects names something twice", "handle handle"]),
+    (["--methods"], ["--methods is empty"]),
+    (["--methods", "score", "score"], ["--methods names something twice", "score score"]),
+    (["--methods", "temporal"], ["temporal needs several views of one scene", "a single test image"]),
+    (["--methods", "mask"], ["unknown method 'mask'", "maskval", "package.module:Class"]),
     (["--averaging", "median"], ["--averaging", "median", "images", "pooled"]),
     (["--annotated-visibility", "1.5"], ["--annotated-visibility in 0..1", "got 1.5"]),
     (["--image", "5"], ["--image", "valid options of dataset", "--images", "--figures"]),
@@ -64,7 +68,7 @@ def test_an_image_does_not_depend_on_the_batch_that_it_is_made_in(part: str) -> 
     runs = [run_batch(BatchTask(part, 4, batch, 0.1)) for batch in (range(1), range(1, 6), range(6, 8))]
     joined, joined_matches = Judged.join([one for one, _ in runs]), Matches.join([one for _, one in runs])
     assert len(whole.mdd_m) >= 16
-    assert list(whole.u) == METHODS
+    assert list(whole.u) == DEFAULT
     for method, u in whole.u.items():
         assert np.array_equal(u, joined.u[method]), method
     for name in (entry.name for entry in fields(Judged) if entry.name != "u"):
@@ -94,7 +98,7 @@ def test_dataset_json_holds_the_contract_and_the_tables_name_the_paper(
     for row in written["objects"]:
         assert row["images"] == 12
         assert set(row["mask"]) == {f"{name}{end}" for name in ("ap_50_95", "ap_50", "ar_100") for end in ("", "_ci")}
-        assert list(row["methods"]) == METHODS
+        assert list(row["methods"]) == DEFAULT
         for figures in row["methods"].values():
             assert set(figures) == {f"{name}{end}" for name in ("spearman", "auc_ar", "u_tg") for end in ("", "_ci")}
             assert 0 <= figures["auc_ar"] <= 1
@@ -116,15 +120,61 @@ def test_dataset_json_holds_the_contract_and_the_tables_name_the_paper(
     assert (manifest["config"]["images"], manifest["recipe"]["distance"]) == (12, [0.4, 1.2])
 
 
-def test_compare_takes_the_derived_thresholds(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
-    assert run(capsys, tmp_path, "--images", 20, "--jobs", 1).code == 0
-    thresholds = load_thresholds(str(tmp_path / "thresholds.toml"))
+def test_compare_takes_the_derived_thresholds_of_every_method(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    assert run(capsys, tmp_path, "--images", 20, "--jobs", 1, "--methods", "all").code == 0
+    source = tmp_path / "thresholds.toml"
+    assert "graspcell dataset --methods all --images 20\n" in source.read_text()
+    thresholds = load_thresholds(str(source))
+    every = [name for name in METHODS if name not in ("none", "temporal")]
+    fallen_back = 0
     for row in json.loads((tmp_path / "dataset.json").read_text())["objects"]:
-        for name in ("maskval", "ensemble-add"):
-            assert thresholds.of(row["object"], name) == row["methods"][name]["u_tg"]
+        assert list(row["methods"]) == every
+        for name, figures in row["methods"].items():
+            if figures["u_tg"] is None:
+                assert thresholds.of(row["object"], name) == row["least_error_u"][name]
+                assert thresholds.caveat(row["object"], name) is not None
+                fallen_back += 1
+            else:
+                assert thresholds.of(row["object"], name) == figures["u_tg"]
+                assert thresholds.caveat(row["object"], name) is None
         method = known_method("ensemble-add", load_part(row["object"]).part, thresholds)
         assert method.uncertainty == Ensemble("add", row["ensemble_add_minimum_m"])
+    assert fallen_back > 0  # the detector's score says little about the pose
     assert thresholds.refine == load_thresholds("paper").refine
+
+
+OWN = """
+import numpy as np
+
+class Half:
+    def __call__(self, estimates):
+        return np.full(len(estimates), 0.5)
+
+class Wrong:
+    def __call__(self, estimates):
+        return np.full(len(estimates), 1.5)
+"""
+
+
+def test_a_method_of_ones_own_is_evaluated_by_its_name(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "half_way.py").write_text(OWN)
+    monkeypatch.syspath_prepend(str(tmp_path))
+    arguments = ("--objects", "handle", "--images", 5, "--jobs", 1)
+    assert run(capsys, tmp_path / "out", *arguments, "--methods", "half_way:Half", "maskval").code == 0
+    thresholds = load_thresholds(str(tmp_path / "out" / "thresholds.toml"))
+    assert set(thresholds.grasp["handle"]) | set(thresholds.least_error.get("handle", {})) == {
+        "half_way:Half",
+        "maskval",
+    }
+    assert thresholds.of("handle", "half_way:Half") == 0.5
+    told = run(capsys, tmp_path / "out", *arguments, "--methods", "half_way:Wrong")
+    assert told.code == 2
+    assert "half_way:Wrong: expected" in told.err
+    assert "uncertainties in [0, 1], got [1.5" in told.err
 
 
 def test_what_is_undefined_is_null(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:

@@ -5,7 +5,7 @@ import pytest
 
 from experiments.dataset_batch import Judged
 from experiments.dataset_bootstrap import draw_weights, resample
-from experiments.dataset_metrics import ERRORS_M, area, chosen, curves, evaluations, figures
+from experiments.dataset_metrics import ERRORS_M, area, chosen, curves, evaluations, figures, least_error_threshold
 from experiments.dataset_rules import ALTERNATIVES, Rules
 from maskval import Evaluation, paper_threshold, recall_curve, spearman
 from sim.part_numbers import NOTHING
@@ -110,6 +110,26 @@ def test_ensemble_add_is_scaled_from_the_least_of_the_set_or_from_zero() -> None
     assert evaluations(one, Rules())["ensemble-add"].u == pytest.approx(expected)
     from_zero = evaluations(one, Rules(ensemble_minimum="zero"))["ensemble-add"].u
     assert from_zero == pytest.approx(np.clip(one.disagreement_m / 0.05, 0, 1))
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_no_threshold_sorts_with_fewer_errors_than_that_of_least_error(method: str) -> None:
+    evaluation = evaluations(judged(), Rules())[method]
+    good = evaluation.errors_m <= 0.015
+
+    def errors(u_t: float) -> int:
+        return int(np.count_nonzero((evaluation.u <= u_t) != good))
+
+    each = {u: errors(u) for u in np.unique(evaluation.u).tolist()}
+    assert len(each) > 20
+    found = least_error_threshold(evaluation)
+    assert found == min(each, key=lambda u: (each[u], u))
+
+
+def test_without_a_right_pose_there_is_no_threshold_of_least_error() -> None:
+    assert least_error_threshold(evaluations(empty(), Rules())["maskval"]) is None
+    wrong = replace(judged(), mdd_m=np.full(len(judged().mdd_m), 0.1))
+    assert least_error_threshold(evaluations(wrong, Rules())["maskval"]) is None
 
 
 def test_a_part_found_twice_belongs_to_the_better_pose() -> None:

@@ -3,6 +3,7 @@ from pathlib import Path
 import pytest
 
 from experiments.errors import UsageError
+from experiments.methods import METHODS
 from experiments.thresholds import Thresholds, load_thresholds
 
 GOOD = """
@@ -102,6 +103,16 @@ def test_a_file_that_is_no_text_is_refused(tmp_path: Path) -> None:
     path.write_bytes(b"refine = 0.5 # \xff\xfe")
     with pytest.raises(UsageError, match=r"binary\.toml cannot be read"):
         load_thresholds(str(path))
+
+
+def test_the_preset_derived_has_a_threshold_for_every_method_that_a_test_image_can_judge() -> None:
+    derived = load_thresholds("derived")
+    assert derived.refine == 0.6
+    assert set(derived.ensemble_add_minimum) == {"antenna", "handle"}
+    needing = [name for name in METHODS if name not in ("none", "temporal")]
+    for part in ("antenna", "handle"):
+        assert all(0.0 <= derived.of(part, name) <= 1.0 for name in needing)
+        assert derived.caveat(part, "maskval") is None
 
 
 def test_what_is_told_goes_before_what_is_derived_and_that_before_the_least_error_and_the_methods_own() -> None:

@@ -1,0 +1,83 @@
+"""`python -m benchmarks.methods`: what a call of each uncertainty method costs, on generated test images.
+
+Each method judges the same images in turn; a call's process time is divided by the poses in the image. What feeds a
+method is not in it: networks, and the depth camera. The temporal method remembers all images before.
+"""
+
+import time
+from statistics import median
+
+import numpy as np
+
+from cell.layout import default_camera
+from experiments.methods import METHODS, Context, make_uncertainty
+from experiments.thresholds import Thresholds
+from maskval import Estimates, Pose, UncertaintyMethod
+from sim.dataset import Recipe, draw_nearest, make_image
+from sim.dataset_estimates import estimate_image
+from sim.latents import Streams
+from sim.noise import load_noise
+from sim.part_numbers import PIXEL_CENTER
+from sim.parts import load_part, part_names
+from sim.truth import FrameTruth, TruthBooth
+
+IMAGES, ROUNDS = 20, 5
+
+
+def images(part: str) -> list[tuple[Estimates, FrameTruth]]:
+    """Estimates with everything that a method can ask for, and the truth."""
+    model, camera = load_part(part), default_camera()
+    mesh, noise = model.part.mesh, load_noise(model.noise)
+    made = []
+    for number in range(IMAGES):
+        streams = Streams(0, number, model.part.name)
+        truth = make_image(mesh, camera, Recipe(), streams)
+        found = estimate_image(truth, mesh, camera, noise, streams)
+        masks = np.array([one.mask for one in found.detections], dtype=bool).reshape(-1, camera.height, camera.width)
+        estimates = Estimates(
+            camera=camera,
+            mesh=mesh,
+            masks=masks,
+            poses=found.poses,
+            scores=np.array([one.score for one in found.detections]),
+            pixel_center=PIXEL_CENTER,
+            depth=draw_nearest(truth.bodies, camera)[1],
+            X_BC=Pose.from_translation((0.2 * number, 0.0, 0.0)),
+        )
+        made.append((estimates, FrameTruth(number, truth.part_numbers, truth.X_CO_true, camera)))
+    return [one for one in made if len(one[0])]
+
+
+def cost_us(part: str, name: str, seen: list[tuple[Estimates, FrameTruth]]) -> float:
+    """Median over the rounds of the process time per pose, µs."""
+    model = load_part(part)
+    thresholds = Thresholds("none", 0.0, {}, {model.part.name: 0.0})
+    rounds = []
+    for number in range(ROUNDS + 1):
+        booth = TruthBooth()
+        method: UncertaintyMethod = make_uncertainty(
+            name, Context(model.part, thresholds, Streams(0, 0, model.part.name), booth)
+        )
+        spent = 0.0
+        for estimates, truth in seen:
+            booth.keep(truth)
+            begin = time.process_time()
+            method(estimates)
+            spent += time.process_time() - begin
+        if number > 0:  # the first round compiles
+            rounds.append(1e6 * spent / sum(len(estimates) for estimates, _ in seen))
+    return median(rounds)
+
+
+def main() -> None:
+    """Prints µs per pose of every method and part."""
+    parts = part_names()
+    sets = {part: images(part) for part in parts}
+    print(f"µs of process time per pose, median of {ROUNDS} rounds over {IMAGES} images")
+    print(f"{'method':22}" + "".join(f"{part:>10}" for part in parts))
+    for name in METHODS:
+        print(f"{name:22}" + "".join(f"{cost_us(part, name, sets[part]):10.1f}" for part in parts), flush=True)
+
+
+if __name__ == "__main__":
+    main()
