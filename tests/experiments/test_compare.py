@@ -122,7 +122,7 @@ def test_a_method_with_a_memory_forgets_between_experiments(capsys: pytest.Captu
     assert compared(capsys, tmp_path, *arguments).code == 0
     alone = run_experiment(spec("temporal", experiment=1, part="handle", estimator="noisy"))
     seen = [row["u"] for row in rows(tmp_path, "estimates", experiment=1)]
-    assert len(seen) > 5
+    assert len(seen) >= 3
     assert seen[0] == 1.0
     assert min(seen) < 0.3
     assert seen == [row["u"] for row in alone.tables["estimates"]]

@@ -29,7 +29,7 @@ def test_a_manifest_is_json_and_holds_the_whole_configuration(tmp_path: Path) ->
         "parts": 8,
         "seed": 11,
         "parties": {"estimator": "noisy", "recorded": None, "policy": None, "time_limit": 60.0},
-        "thresholds": "paper",
+        "thresholds": "derived",
         "u_grasp": [],
         "speed": "ur-default",
         "conditions": {
