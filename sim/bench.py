@@ -6,10 +6,11 @@ from functools import lru_cache
 from cell.layout import Belt, Layout
 from maskval import Pose
 from sim.camera import Camera
+from sim.clutter import CLEARANCES, distractors_of, place_distractors
 from sim.conditions import Conditions
 from sim.latents import Streams
 from sim.parts import load_part
-from sim.placement import feed_parts, feeding_length, place_parts
+from sim.placement import convex_outline, feed_parts, feeding_length, place_parts
 from sim.world import World
 
 
@@ -45,8 +46,13 @@ def belt_under(conditions: Conditions, parts: int) -> Belt:
 
 
 def starting_poses(world: World, streams: Streams) -> list[Pose]:
-    """X_WO of the parts: a function of conditions, seed, kind and number of the experiment, whatever the method."""
+    """X_WO of the parts, then of the distractors: whatever the method, the same for conditions, streams and kind."""
     belt, rng = world.layout.belt, streams.generator(part=0, purpose="placement")
     if belt.speed:
         return feed_parts(world.part_model, world.parts, belt, rng, world.conditions.takt_s)
-    return place_parts(world.part_model, world.parts, belt, rng)
+    model, clutter = world.part_model, world.conditions.clutter
+    leaning = clutter == "touching"
+    parts = place_parts(model, world.parts, belt, rng, CLEARANCES[clutter], leaning=leaning)
+    outlines = [convex_outline(pose.apply(model.part.mesh.vertices)) for pose in parts]
+    things = streams.generator(part=0, purpose="distractors")
+    return parts + place_distractors(distractors_of(clutter), outlines, belt, things)

@@ -2,12 +2,15 @@
 
 import math
 from dataclasses import dataclass, replace
+from typing import Literal, get_args
 
 import numpy as np
 
 from maskval import Camera, Pose
 from sim.errors import ConditionsError
 
+Clutter = Literal["none", "close", "touching", "distractors"]
+CLUTTERS = get_args(Clutter)
 Three = tuple[float, float, float]
 
 _NONE = (0.0, 0.0, 0.0)
@@ -58,7 +61,14 @@ class Conditions:
     takt_s: float = 15.0
     """Mean time between parts that come along a moving belt, s, 5 to 60."""
 
+    clutter: Clutter = "none"
+    """none: 55 mm around every part; close: 15 mm; touching: parts lean on one another; distractors: other things."""
+
     def __post_init__(self) -> None:
+        if self.clutter not in CLUTTERS:
+            raise ConditionsError(f"unknown clutter {self.clutter!r}: expected one of {', '.join(CLUTTERS)}")
+        if self.belt_speed > 0.0 and self.clutter != "none":
+            raise ConditionsError(f"expected --clutter none on a moving belt, got {self.clutter}")
         for name, (least, most) in RANGES.items():
             value = getattr(self, name)
             if not all(least <= number <= most for number in np.atleast_1d(value)):

@@ -20,15 +20,29 @@ Polygon = NDArray[np.float64]
 
 
 def place_parts(
-    model: PartModel, count: int, belt: Belt, rng: np.random.Generator, clearance: float = CLEARANCE
+    model: PartModel,
+    count: int,
+    belt: Belt,
+    rng: np.random.Generator,
+    clearance: float = CLEARANCE,
+    *,
+    leaning: bool = False,
 ) -> list[Pose]:
     """X_WO of `count` parts on the belt: resting pose by its probability, any yaw, any free place.
+
+    Args:
+        model: the kind of part.
+        count: how many.
+        belt: where they lie, at least `CLEARANCE` from its edges.
+        rng: what is drawn from.
+        clearance: least distance between the parts' outlines, m.
+        leaning: whether every part is pushed against an earlier one, up to the clearance.
 
     Raises:
         PlacementError: no room was found for all of them.
     """
     for _ in range(_TRIES_PER_BELT):
-        placed = _fill_belt(model, count, belt, rng, clearance)
+        placed = _fill_belt(model, count, belt, rng, clearance=clearance, leaning=leaning)
         if placed is not None:
             return placed
     raise PlacementError(
@@ -69,24 +83,43 @@ def feeding_length(speed: float, takt: float, count: int) -> float:
 def _footprint(model: PartModel, side: int) -> Polygon:
     """Outline of a resting pose seen from above, convex, (P, 2) m around O's origin."""
     points = (model.part.mesh.vertices @ model.resting_poses[side].rotation.T)[:, :2]
-    outline: Polygon = points[ConvexHull(points).vertices]
+    return convex_outline(points)
+
+
+def convex_outline(points: NDArray[np.float64]) -> Polygon:
+    """The convex outline of points (N, 2 or more) seen from above, counter-clockwise, (P, 2) m."""
+    seen = points[:, :2]
+    outline: Polygon = seen[ConvexHull(seen).vertices]
     return outline
 
 
+def _pushed_against(outline: Polygon, other: Polygon, clearance: float) -> Polygon:
+    """The outline moved straight towards the middle of another, up to the clearance."""
+    way = other.mean(axis=0) - outline.mean(axis=0)
+    free, blocked = 0.0, 1.0
+    for _ in range(20):
+        share = (free + blocked) / 2
+        free, blocked = (share, blocked) if gap(outline + share * way, other) >= clearance else (free, share)
+    pushed: Polygon = outline + free * way
+    return pushed
+
+
 def _fill_belt(
-    model: PartModel, count: int, belt: Belt, rng: np.random.Generator, clearance: float
+    model: PartModel, count: int, belt: Belt, rng: np.random.Generator, *, clearance: float, leaning: bool
 ) -> list[Pose] | None:
     footprints = [_footprint(model, side) for side in range(len(model.resting_poses))]
     outlines: list[Polygon] = []
     poses: list[Pose] = []
     probabilities = [pose.probability for pose in model.resting_poses]
-    room = np.array([belt.width, belt.loading_length]) / 2 - clearance
+    room = np.array([belt.width, belt.loading_length]) / 2 - max(clearance, CLEARANCE)
     while len(poses) < count:
         for _ in range(_TRIES_PER_PART):
             side = int(rng.choice(len(footprints), p=probabilities))
             yaw = rng.uniform(-np.pi, np.pi)
             turn = _about_z(yaw)
             outline = footprints[side] @ turn.T + rng.uniform(-room, room)
+            if leaning and outlines:
+                outline = _pushed_against(outline, outlines[int(rng.integers(len(outlines)))], clearance)
             offset = outline - footprints[side] @ turn.T
             if np.all(np.abs(outline) <= room) and all(gap(outline, other) >= clearance for other in outlines):
                 break

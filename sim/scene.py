@@ -6,6 +6,7 @@ import mujoco
 
 from cell.layout import Layout
 from sim.bodies import add_part, add_part_assets, part_body, set_physics
+from sim.clutter import add_distractor, distractor_body, distractors_of
 from sim.conditions import Conditions
 from sim.disturbances import disturb
 from sim.furniture import add_furniture
@@ -58,7 +59,10 @@ def build_scene(
         add_part_assets(spec, model)
     for index, model in enumerate(models):
         add_part(spec, index, model, conditions.mass)
-    _add_sensors(spec, len(models))
+    distractors = distractors_of(conditions.clutter)
+    for index, thing in enumerate(distractors):
+        add_distractor(spec, index, thing)
+    _add_sensors(spec, len(models), len(distractors))
     compiled = spec.compile()
     disturb(compiled, conditions)
     return compiled
@@ -77,7 +81,7 @@ def _set_visuals(spec: mujoco.MjSpec) -> None:
     headlight.ambient, headlight.diffuse, headlight.specular = [0.35] * 3, [0.35] * 3, [0.2] * 3
 
 
-def _add_sensors(spec: mujoco.MjSpec, parts: int) -> None:
+def _add_sensors(spec: mujoco.MjSpec, parts: int, distractors: int) -> None:
     """Contact forces by pair of interest, in newtons: no Python loop over contacts is needed at run time."""
     robot = {"objtype": mujoco.mjtObj.mjOBJ_XBODY, "objname": ROBOT}
     for other in ("belt", "container", "base", *(part_body(index) for index in range(parts))):
@@ -90,6 +94,8 @@ def _add_sensors(spec: mujoco.MjSpec, parts: int) -> None:
             {"objtype": mujoco.mjtObj.mjOBJ_BODY, "objname": part_body(index)},
             {"reftype": mujoco.mjtObj.mjOBJ_BODY, "refname": "container"},
         )
+    for body in map(distractor_body, range(distractors)):
+        _add_contact_sensor(spec, robot_touches(body), robot, {"reftype": mujoco.mjtObj.mjOBJ_BODY, "refname": body})
 
 
 def _add_contact_sensor(spec: mujoco.MjSpec, name: str, one: dict[str, object], other: dict[str, object]) -> None:

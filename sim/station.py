@@ -95,7 +95,8 @@ class SimStation:
 
     def touched_parts(self) -> list[int]:
         """Parts that the robot has touched since `forget_touches`."""
-        return [int(part) for part in np.flatnonzero(self._peaks[self._rows[Touch.PART]] > TOUCH_FORCE)]
+        rows = self._rows[Touch.PART][: self._world.parts]  # distractors follow
+        return [int(part) for part in np.flatnonzero(self._peaks[rows] > TOUCH_FORCE)]
 
     def _run(self, commands: Iterable[Command | None], watch: frozenset[Touch]) -> Contact | None:
         """Steps through the commands, one each; ends early on a watched contact."""

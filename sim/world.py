@@ -12,6 +12,7 @@ from cell.search import search_run
 from cell.ur10 import inverse_on_branch
 from maskval import Pose
 from sim.bodies import part_body
+from sim.clutter import distractor_body, distractors_of
 from sim.conditions import UNDISTURBED, Conditions
 from sim.errors import DivergenceError
 from sim.parts import PartModel
@@ -56,7 +57,10 @@ class World:
         self._servos: Array = self.data.ctrl[servo : servo + 2 * len(JOINTS)].reshape(len(JOINTS), 2)
         self._jaw_command = compiled.actuator_ctrladr[compiled.actuator("jaws").id]
         self._bodies = np.array([compiled.body(part_body(index)).id for index in range(parts)])
-        self._free_joints = [compiled.joint(part_body(index)).qposadr[0] for index in range(parts)]
+        things = [distractor_body(index) for index in range(len(distractors_of(conditions.clutter)))]
+        lying = [*map(part_body, range(parts)), *things]
+        self._free_joints = [compiled.joint(name).qposadr[0] for name in lying]
+        self._obstacles = [robot_touches(name) for name in things]
         self._flange = compiled.body("flange").id
         self._wrist = compiled.camera("wrist").id
         self._belt = compiled.geom("belt").id
@@ -73,6 +77,9 @@ class World:
 
     def reset(self, X_WO: Sequence[Pose]) -> None:
         """Puts arm and parts in place and lets them settle; the clock then stands at 0.
+
+        Args:
+            X_WO: poses of the parts, then of the distractors if there are any.
 
         Raises:
             DivergenceError: the parts do not come to rest in finite numbers.
@@ -170,12 +177,12 @@ class World:
         return self.X_WC().inverse() @ self.X_WO(index)
 
     def touch_sensors(self) -> dict[Touch, NDArray[np.intp]]:
-        """Rows of `contact_forces` for every kind of touch."""
+        """Rows of `contact_forces` for every kind of touch; distractors come after the parts and count as such."""
         names = {
             Touch.BELT: [robot_touches("belt")],
             Touch.CONTAINER: [robot_touches("container")],
             Touch.ROBOT: [robot_touches("base"), robot_touches("itself")],
-            Touch.PART: [robot_touches(part_body(index)) for index in range(self.parts)],
+            Touch.PART: [*(robot_touches(part_body(index)) for index in range(self.parts)), *self._obstacles],
             Touch.PRESSED: [container_presses(index) for index in range(self.parts)],
         }
         return {

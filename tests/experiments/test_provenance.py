@@ -44,6 +44,7 @@ def test_a_manifest_is_json_and_holds_the_whole_configuration(tmp_path: Path) ->
             "latency_s": 0.0,
             "belt_speed": 0.0,
             "takt_s": 15.0,
+            "clutter": "none",
         },
         "jobs": 0,
         "out": "somewhere/else",
