@@ -24,8 +24,9 @@ thresholds: $(READY)
 	$(BIN)/graspcell dataset --methods all --resamples 1 --out out/thresholds
 	cp out/thresholds/thresholds.toml experiments/presets/derived.toml
 
-# Measured trials of minutes: not part of `make test`.
+# Measured trials of minutes: not part of `make test`. Those of learning need stable-baselines3 and torch.
 study: $(READY)
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[dev,learn]'
 	$(BIN)/python -m pytest -m study
 
 $(READY): pyproject.toml constraints.txt
