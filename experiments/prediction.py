@@ -53,6 +53,7 @@ class PredictedCell:
         timeouts: slots that ran out.
         ap: predicted.
         ar: predicted.
+        counts: of each experiment, by world, as [tp, fp, fn, timeouts].
     """
 
     object: str
@@ -64,6 +65,7 @@ class PredictedCell:
     timeouts: int
     ap: Rate
     ar: Rate
+    counts: list[list[list[int]]]
 
 
 def predict_cell(
@@ -89,6 +91,7 @@ def predict_cell(
         timeouts=sum(count.timeouts for count in counts),
         ap=_rate([[count.ap for count in row] for row in worlds], paper[0] if paper else None, seed),
         ar=_rate([[count.ar for count in row] for row in worlds], paper[1] if paper else None, seed),
+        counts=[[[one.tp, one.fp, one.fn, one.timeouts] for one in row] for row in worlds],
     )
 
 
