@@ -11,13 +11,13 @@ from typing import Annotated, Any
 
 import tyro
 
-from experiments.calibrate_config import Calibrate
+from experiments.calibration.config import Calibrate
 from experiments.config import Compare, Picture, Run, Tolerance
-from experiments.dataset_config import Dataset
+from experiments.dataset.config import Dataset
 from experiments.errors import ExperimentsFailedError, UsageError
 from experiments.parties import Parties
-from experiments.predict_config import FitGap, Predict
-from experiments.render_config import RenderDataset
+from experiments.prediction.config import FitGap, Predict
+from experiments.rendering.config import RenderDataset
 from experiments.uq import Uq, uq
 from sim.conditions import Conditions
 from sim.errors import GraphicsError
@@ -63,34 +63,34 @@ def _tolerance(config: Tolerance) -> int:
 
 
 def _dataset(config: Dataset) -> int:
-    from experiments.dataset import dataset  # noqa: PLC0415
+    from experiments.dataset.command import dataset  # noqa: PLC0415
 
     return dataset(config)
 
 
 def _calibrate(config: Calibrate) -> int:
-    from experiments.calibrate import calibrate  # noqa: PLC0415
+    from experiments.calibration.command import calibrate  # noqa: PLC0415
 
     return calibrate(config)
 
 
 def _gap(config: FitGap) -> int:
     _load_engine()
-    from experiments.fit_gap import gap  # noqa: PLC0415
+    from experiments.prediction.gap_command import gap  # noqa: PLC0415
 
     return gap(config)
 
 
 def _predict(config: Predict) -> int:
     _load_engine()
-    from experiments.predict import predict  # noqa: PLC0415
+    from experiments.prediction.command import predict  # noqa: PLC0415
 
     return predict(config)
 
 
 def _render_dataset(config: RenderDataset) -> int:
     _load_engine()
-    from experiments.render_dataset import render_dataset  # noqa: PLC0415
+    from experiments.rendering.command import render_dataset  # noqa: PLC0415
 
     return render_dataset(config)
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from cell.layout import default_camera
-from experiments.render_config import Style
+from experiments.rendering.config import Style
 from maskval import Pose
 from sim import pictures
 from sim.dataset import Recipe, make_image

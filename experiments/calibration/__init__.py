@@ -1,0 +1,1 @@
+"""`graspcell calibrate`: error models fitted to the paper's dataset tables."""

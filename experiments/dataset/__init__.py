@@ -1,0 +1,1 @@
+"""`graspcell dataset`: the paper's dataset tables, on test images made here."""

@@ -1,0 +1,175 @@
+"""A batch of test images: made, estimated and judged; what remains of an image is a few numbers."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cell.layout import default_camera
+from cell.part import Part
+from experiments.dataset.coco import Annotations, Matches
+from experiments.errors import UsageError
+from experiments.methods import Context, make_uncertainty
+from experiments.thresholds import Thresholds
+from maskval import Camera, Estimates, Mesh, UncertaintyMethod, add, mdd, needs_of
+from sim.dataset import ImageTruth, Recipe, draw_nearest, make_image
+from sim.dataset_estimates import NETWORKS, ImageEstimates, estimate_image
+from sim.latents import Streams
+from sim.noise import load_noise
+from sim.part_numbers import NOTHING, PIXEL_CENTER
+from sim.parts import load_part
+from sim.truth import FrameTruth, TruthBooth
+
+METHODS = ("maskval", "ensemble-add", "oracle-mask", "oracle-mdd", "random")  # unless others are asked for
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class BatchTask:
+    """A run of images of one part's set.
+
+    Attributes:
+        object: the part's name or file.
+        seed: root of the set's random numbers.
+        images: their numbers.
+        annotated_visibility: least visible share of a part that the detector is asked for.
+        methods: names of the methods to judge by.
+    """
+
+    object: str
+    seed: int
+    images: range
+    annotated_visibility: float
+    methods: tuple[str, ...] = METHODS
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Judged:
+    """N poses of P parts in I images, in the order of the images.
+
+    Attributes:
+        poses: poses of each image, (I,).
+        parts: parts of each image, (I,).
+        pose_part: part of each pose, counted in its image, or `NOTHING`, (N,).
+        mdd_m: error of each pose, infinite without a part, (N,).
+        disagreement_m: ADD between S1 and S2, (N,).
+        u: uncertainty of each pose by the method's name, (N,) each; Ensemble-ADD's on a scale from 0 m.
+        visibility: visible share of each part, (P,).
+        in_view: share of each part inside the image, (P,).
+    """
+
+    poses: NDArray[np.int64]
+    parts: NDArray[np.int64]
+    pose_part: NDArray[np.int64]
+    mdd_m: Array
+    disagreement_m: Array
+    u: dict[str, Array]
+    visibility: Array
+    in_view: Array
+
+    @classmethod
+    def join(cls, runs: Sequence[Self]) -> Self:
+        """Runs of images, one after the other."""
+        return cls(
+            poses=np.concatenate([run.poses for run in runs]),
+            parts=np.concatenate([run.parts for run in runs]),
+            pose_part=np.concatenate([run.pose_part for run in runs]),
+            mdd_m=np.concatenate([run.mdd_m for run in runs]),
+            disagreement_m=np.concatenate([run.disagreement_m for run in runs]),
+            u={method: np.concatenate([run.u[method] for run in runs]) for method in runs[0].u},
+            visibility=np.concatenate([run.visibility for run in runs]),
+            in_view=np.concatenate([run.in_view for run in runs]),
+        )
+
+
+def run_batch(task: BatchTask) -> tuple[Judged, Matches]:
+    """What is known of the images of a task: a function of its fields, whatever is asked for beside it."""
+    model, camera = load_part(task.object), default_camera()
+    noise, mesh = load_noise(model.noise), model.part.mesh
+    booth = TruthBooth()
+    methods = make_uncertainties(task.methods, model.part, Streams(task.seed, 0, model.part.name), booth)
+    annotations, images = Annotations(), []
+    for number in task.images:
+        streams = Streams(task.seed, number, model.part.name)
+        truth = make_image(mesh, camera, Recipe(), streams)
+        estimates = estimate_image(truth, mesh, camera, noise, streams)
+        _annotate(annotations, truth, estimates, task.annotated_visibility)
+        booth.keep(FrameTruth(number, truth.part_numbers, truth.X_CO_true, camera))
+        images.append(_judge(truth, estimates, mesh, camera, methods))
+    return Judged.join(images), annotations.matches()
+
+
+def _annotate(annotations: Annotations, truth: ImageTruth, estimates: ImageEstimates, least: float) -> None:
+    seen = [(truth.mask(part), share >= least) for part, share in enumerate(truth.visibility) if share > 0.0]
+    annotations.add(seen, [(detection.mask, detection.score) for detection in estimates.detections])
+
+
+def make_uncertainties(
+    names: Sequence[str], part: Part, streams: Streams, booth: TruthBooth
+) -> dict[str, UncertaintyMethod]:
+    """The methods by name, Ensemble-ADD on a scale from 0 m.
+
+    Raises:
+        UsageError: a method does not exist, or needs several views of a scene: test images show another one each.
+    """
+    from_zero = Thresholds("of this set", refine=0.0, grasp={}, ensemble_add_minimum={part.name: 0.0})
+    context = Context(part, from_zero, streams, booth)
+    made = {name: make_uncertainty(name, context) for name in names}
+    for name, method in made.items():
+        needs = needs_of(method)
+        if needs.X_BC:
+            raise UsageError(
+                f"{name} needs several views of one scene; expected methods that judge a single test image"
+            )
+        if needs.estimators > NETWORKS:
+            raise UsageError(f"{name} needs {needs.estimators} estimators; expected at most {NETWORKS}, as there are")
+    return made
+
+
+def _judge(
+    truth: ImageTruth, found: ImageEstimates, mesh: Mesh, camera: Camera, methods: dict[str, UncertaintyMethod]
+) -> Judged:
+    first, second = found.poses
+    depth = any(needs_of(method).depth for method in methods.values())
+    shown = [truth.X_CO_true[part] if part != NOTHING else None for part in found.parts]
+    errors = (
+        np.inf if X_true is None else mdd(X_est, X_true, mesh.vertices)
+        for X_est, X_true in zip(first, shown, strict=True)
+    )
+    estimates = Estimates(
+        camera=camera,
+        mesh=mesh,
+        masks=np.array([one.mask for one in found.detections], dtype=np.bool_).reshape(-1, camera.height, camera.width),
+        poses=found.poses,
+        scores=np.array([one.score for one in found.detections]),
+        pixel_center=PIXEL_CENTER,
+        depth=draw_nearest(truth.bodies, camera)[1] if depth else None,
+    )
+    return Judged(
+        poses=np.array([len(first)]),
+        parts=np.array([len(truth.visibility)]),
+        pose_part=np.array(found.parts, dtype=np.int64),
+        mdd_m=np.array(list(errors)),
+        disagreement_m=np.array([add(X1, X2, mesh.vertices) for X1, X2 in zip(first, second, strict=True)]),
+        u={name: _asked(name, method, estimates) for name, method in methods.items()},
+        visibility=truth.visibility,
+        in_view=truth.in_view,
+    )
+
+
+def _asked(name: str, method: UncertaintyMethod, estimates: Estimates) -> Array:
+    """The method's u.
+
+    Raises:
+        UsageError: the method raised, or gives something else than a u for each pose.
+    """
+    try:
+        u = np.array(method(estimates), dtype=np.float64)
+    except Exception as error:
+        raise UsageError(f"{name} raised {type(error).__name__}: {error}") from error
+    if u.shape != (len(estimates),) or not np.all((u >= 0.0) & (u <= 1.0)):
+        raise UsageError(f"{name}: expected {len(estimates)} uncertainties in [0, 1], got {u}")
+    return u

@@ -1,0 +1,77 @@
+"""`graspcell dataset`: the paper's dataset tables, on test images made here."""
+
+import sys
+from collections.abc import Iterator
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import closing
+
+from tqdm import tqdm
+
+from experiments.checks import writable_folder
+from experiments.dataset.batch import BatchTask, Judged, run_batch
+from experiments.dataset.coco import Matches
+from experiments.dataset.config import Dataset
+from experiments.dataset.metrics import Figures
+from experiments.dataset.report import format_alternatives, format_tables
+from experiments.dataset.score import Scored, alternatives, score
+from experiments.dataset.thresholds import thresholds_toml
+from experiments.pool import run_all
+from experiments.provenance import manifest, write_json
+from sim.dataset import Recipe
+from sim.parts import load_part
+
+WORKER_DIED = 1  # the exit code
+
+
+def dataset(config: Dataset) -> int:
+    """Makes and judges all images, prints the tables and writes the results; returns the exit code.
+
+    Raises:
+        UsageError: an argument that cannot be.
+    """
+    config.check()
+    folder = writable_folder(config.out)
+    sets: list[Scored] = []
+    others: dict[str, dict[str, dict[str, Figures]]] = {}
+    try:
+        for part, judged, matches in _judged_sets(config):
+            name = load_part(part).part.name
+            sets.append(score(name, judged, matches, config.rules, seed=config.seed, resamples=config.resamples))
+            if config.alternatives:
+                others[name] = alternatives(judged)
+    except BrokenProcessPool:
+        print("graspcell: error: a worker process died (out of memory?); nothing is written", file=sys.stderr)
+        return WORKER_DIED
+    write_json(folder / "dataset.json", {"objects": [one.as_json() for one in sets]})
+    (folder / "thresholds.toml").write_text(thresholds_toml(sets, config.command), encoding="utf-8")
+    write_json(folder / "manifest.json", {**manifest(config), "seed": config.seed, "recipe": Recipe()})
+    if config.figures:
+        from experiments.dataset.figures import draw_curves, draw_errors  # noqa: PLC0415  # needs an extra
+
+        draw_curves(sets, folder / "curves.png")
+        draw_errors(sets, folder / "errors.png")
+    print(format_tables(sets))
+    if others:
+        print(format_alternatives(others))
+    print(f"results in {folder}")
+    return 0
+
+
+def _judged_sets(config: Dataset) -> Iterator[tuple[str, Judged, Matches]]:
+    """Each part with its judged set."""
+    batches = config.batches
+    tasks = [
+        BatchTask(part, config.seed, batch, config.annotated_visibility, config.named_methods)
+        for part in config.objects
+        for batch in batches
+    ]
+    with (
+        tqdm(total=len(config.objects) * config.images, unit="image", dynamic_ncols=True) as progress,
+        closing(run_all(run_batch, tasks, config.workers)) as stream,
+    ):
+        for part in config.objects:
+            runs = []
+            for batch, run in zip(batches, stream, strict=False):
+                runs.append(run)
+                progress.update(len(batch))
+            yield part, Judged.join([judged for judged, _ in runs]), Matches.join([matches for _, matches in runs])

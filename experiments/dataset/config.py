@@ -1,0 +1,147 @@
+"""What a person sets for `graspcell dataset`."""
+
+# ruff: noqa: PLC0415  # the parts are loaded when the job begins: --help does not wait for them
+
+import os
+import shlex
+from dataclasses import dataclass, fields
+from pathlib import Path
+
+from experiments.checks import at_least, writable_folder
+from experiments.dataset.rules import Averaging, Choice, EmptyImages, FalseNegatives, Minimum, Range, Rules, Visibility
+from experiments.errors import UsageError
+
+_BATCH = 100  # images that a worker makes at a time
+
+
+@dataclass(frozen=True)
+class Dataset:
+    """Evaluate the simulated networks and the uncertainty methods as the paper did its own: on a set of test images.
+
+    Makes images of several parts among clutter, by geometry alone, and prints the detector's figures, Spearman and
+    AUC AR of each method and the thresholds u_t,g beside the paper's. Writes dataset.json, thresholds.toml (for
+    compare) and manifest.json to --out.
+    """
+
+    objects: tuple[str, ...] = ("antenna", "handle")
+    """Parts: names, or TOML files of your own."""
+    methods: tuple[str, ...] = ("maskval", "ensemble-add", "oracle-mask", "oracle-mdd", "random")
+    """Uncertainty methods: those of compare but for temporal, which needs several views; or your own as
+    package.module:Class; or all for all of these."""
+    images: int = 10_000
+    """Test images per part."""
+    seed: int = 0
+    """Root of all random numbers."""
+    jobs: int = 0
+    """Processes to make images in; 0 takes one per core. The results do not depend on it."""
+    resamples: int = 200
+    """Bootstrap samples of the 95 % intervals; they draw whole images."""
+    averaging: Averaging = "images"
+    """AP and AR of each image and then their mean (images), or of all poses at once (pooled)."""
+    empty_images: EmptyImages = "skip"
+    """An image without remaining poses has no AP (skip), or AP 1 (one)."""
+    false_negatives: FalseNegatives = "no true positive"
+    """An eligible part is one when no true positive of it remains, or only when no pose of it remains."""
+    visibility: Visibility = "total"
+    """What makes a part eligible: all that hides it (total), or the image's border alone (in view)."""
+    threshold: Choice = "largest"
+    """u_t,g is the largest that reaches the AP, or the last one before the AP is first missed (first violation)."""
+    auc_range: Range = "whole"
+    """AUC AR over errors of 0 to 30 mm (whole), or from the first error threshold that reaches the AP (reached)."""
+    ensemble_minimum: Minimum = "least"
+    """Ensemble-ADD's scale begins at the least disagreement of the set (least), or at 0 (zero)."""
+    annotated_visibility: float = 0.1
+    """Least visible share of a part that the detector is asked for, 0 to 1; 0.1 as in BOP's 2D tasks."""
+    alternatives: bool = False
+    """Also print what each other counting rule would give."""
+    figures: bool = False
+    """Also draw curves.png and errors.png; needs the extra graspcell[figures]."""
+    out: Path = Path("out/dataset")
+    """Folder for the results; made if missing."""
+
+    @property
+    def command(self) -> str:
+        """What to type for the same figures: every option that differs from its default and changes them."""
+        words = ["graspcell dataset"]
+        for option in fields(self):
+            value = getattr(self, option.name)
+            if value == option.default or option.name in ("resamples", "jobs", "alternatives", "figures", "out"):
+                continue
+            values = map(str, value) if isinstance(value, tuple) else [str(value)]
+            words += [f"--{option.name.replace('_', '-')}", *map(shlex.quote, values)]
+        return " ".join(words)
+
+    @property
+    def rules(self) -> Rules:
+        """The counting rules."""
+        return Rules(
+            self.averaging,
+            self.empty_images,
+            self.false_negatives,
+            self.visibility,
+            self.threshold,
+            self.auc_range,
+            self.ensemble_minimum,
+        )
+
+    @property
+    def named_methods(self) -> tuple[str, ...]:
+        """The methods, with "all" for every one that can judge a single image."""
+        from experiments.methods import METHODS
+
+        every = tuple(name for name in METHODS if name not in ("none", "temporal"))
+        return every if list(self.methods) == ["all"] else self.methods
+
+    @property
+    def workers(self) -> int:
+        """Processes to use."""
+        return self.jobs or os.cpu_count() or 1
+
+    @property
+    def batches(self) -> list[range]:
+        """The numbers of the images of each batch."""
+        return [range(first, min(first + _BATCH, self.images)) for first in range(0, self.images, _BATCH)]
+
+    def check(self) -> None:
+        """Refuses an argument that cannot be.
+
+        Raises:
+            UsageError: says which and why.
+        """
+        from experiments.dataset.batch import make_uncertainties
+        from sim.errors import SimError
+        from sim.latents import Streams
+        from sim.noise import load_noise
+        from sim.parts import load_part
+        from sim.truth import TruthBooth
+
+        for name, value, least in (
+            ("--images", self.images, 1),
+            ("--seed", self.seed, 0),
+            ("--jobs", self.jobs, 0),
+            ("--resamples", self.resamples, 1),
+        ):
+            at_least(name, value, least)
+        if not 0 <= self.annotated_visibility <= 1:
+            raise UsageError(f"expected --annotated-visibility in 0..1, got {self.annotated_visibility:g}")
+        methods = self.named_methods
+        for option, chosen in (("--objects", self.objects), ("--methods", methods)):
+            if not chosen:
+                raise UsageError(f"{option} is empty: expected at least one name")
+        if len(set(methods)) < len(methods):
+            raise UsageError(f"--methods names something twice: {' '.join(methods)}")
+        try:
+            names = [load_part(part).part.name for part in self.objects]
+            for part in self.objects:
+                model = load_part(part)
+                load_noise(model.noise)
+                make_uncertainties(methods, model.part, Streams(0, 0, model.part.name), TruthBooth())
+        except SimError as error:
+            raise UsageError(str(error)) from error
+        if len(set(names)) < len(names):
+            raise UsageError(f"--objects names something twice: {' '.join(self.objects)}")
+        if self.figures:
+            from experiments.dataset.figures import check_matplotlib
+
+            check_matplotlib()
+        writable_folder(self.out)

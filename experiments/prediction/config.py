@@ -1,0 +1,119 @@
+"""What a person sets for `graspcell gap` and `graspcell predict`."""
+
+# ruff: noqa: PLC0415  # the parts are loaded when the job begins: --help does not wait for them
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from experiments.checks import at_least, one_of, worker_count
+from experiments.errors import UsageError
+
+
+@dataclass(frozen=True)
+class FitGap:
+    """Fit the domain gap of a part: how much worse real images are, by what the paper's robot did without UQ.
+
+    Runs the cell without uncertainty quantification for a grid of gaps (scale of the small errors × odds of outliers),
+    and weighs them by the paper's AP and AR. Writes gap.json and manifest.json to --out.
+    """
+
+    part: str = "antenna"
+    """Part that the paper's robot table has: antenna, handle."""
+    experiments: int = 20
+    """Experiments per gap of the grid, of 8 parts each."""
+    draws: int = 20
+    """Gaps to draw, for predictions."""
+    seed: int = 0
+    """Root of all random numbers."""
+    jobs: int = 0
+    """Processes; 0 takes one per core. The results do not depend on it."""
+    out: Path = Path("out/gap")
+    """Folder for the results; made if missing."""
+
+    @property
+    def workers(self) -> int:
+        """Processes to use."""
+        return worker_count(self.jobs)
+
+    def check(self) -> None:
+        """Refuses an argument that cannot be.
+
+        Raises:
+            UsageError: says which and why.
+        """
+        from experiments.paper import ROBOT_TABLE
+
+        one_of("--part", self.part, tuple(dict.fromkeys(part for part, _ in ROBOT_TABLE)))
+        for name, value, least in (
+            ("--experiments", self.experiments, 2),
+            ("--draws", self.draws, 1),
+            ("--seed", self.seed, 0),
+            ("--jobs", self.jobs, 0),
+        ):
+            at_least(name, value, least)
+
+
+@dataclass(frozen=True)
+class Predict:
+    """Predict the paper's robot table: what 5 experiments of 8 parts would give, beside what they gave.
+
+    Every world has an accepted parameter set of the error model and a draw of the domain gap; in each, several
+    experiments are run with every method. Prints AP and AR with the 95 % interval of a mean over 5 experiments of one
+    world, which of the paper's cells lie in it, and the agreement in one number. Writes predict.json and manifest.json
+    to --out.
+    """
+
+    objects: tuple[str, ...] = ("antenna", "handle")
+    """Parts of the paper's robot table."""
+    methods: tuple[str, ...] = ("none", "ensemble-add", "maskval")
+    """Uncertainty methods."""
+    gap: str = "fitted"
+    """Domain gap: none, fitted (as it comes with the package), or a gap.json of `graspcell gap` (one part only)."""
+    worlds: int = 20
+    """Parameter sets with a gap."""
+    experiments: int = 10
+    """Experiments per world and method, of 8 parts each."""
+    variants: tuple[str, ...] = ("base",)
+    """Assumptions to vary, one at a time: names of `experiments.prediction.variants`, or all."""
+    seed: int = 0
+    """Root of all random numbers."""
+    jobs: int = 0
+    """Processes; 0 takes one per core. The results do not depend on it."""
+    out: Path = Path("out/predict")
+    """Folder for the results; made if missing."""
+
+    @property
+    def workers(self) -> int:
+        """Processes to use."""
+        return worker_count(self.jobs)
+
+    def check(self) -> None:
+        """Refuses an argument that cannot be.
+
+        Raises:
+            UsageError: says which and why.
+        """
+        from experiments.methods import METHODS
+        from experiments.paper import ROBOT_TABLE
+        from experiments.prediction.variants import VARIANTS
+
+        for variant in self.variants:
+            one_of("--variants", variant, ("all", *VARIANTS))
+        for part in self.objects:
+            one_of("--objects", part, tuple(dict.fromkeys(name for name, _ in ROBOT_TABLE)))
+        for method in self.methods:
+            one_of("--methods", method, tuple(METHODS))
+        for name, chosen in (
+            ("--objects", self.objects),
+            ("--methods", self.methods),
+            ("--variants", self.variants),
+        ):
+            if not chosen or len(set(chosen)) < len(chosen):
+                raise UsageError(f"{name}: expected at least one name and each once, got {' '.join(chosen) or 'none'}")
+        for name, value, least in (
+            ("--worlds", self.worlds, 1),
+            ("--experiments", self.experiments, 1),
+            ("--seed", self.seed, 0),
+            ("--jobs", self.jobs, 0),
+        ):
+            at_least(name, value, least)

@@ -1,0 +1,88 @@
+"""`graspcell gap`: the domain gap that the paper's robot without uncertainty quantification speaks for."""
+
+import numpy as np
+
+from cell.records import Count
+from experiments.checks import writable_folder
+from experiments.paper import ROBOT_TABLE
+from experiments.prediction.config import FitGap
+from experiments.prediction.counting import count_all
+from experiments.prediction.gap_fit import GapFit, design, fit_gap
+from experiments.prediction.worlds import Setting, load_ensemble, taken, world
+from experiments.provenance import manifest, write_json
+from experiments.thresholds import load_thresholds
+from sim.noise import load_noise
+from sim.parts import load_part
+
+
+def gap(config: FitGap) -> int:
+    """Runs the grid, prints it and the fit, and writes the results; returns the exit code.
+
+    Raises:
+        UsageError: an argument that cannot be.
+        ExperimentsFailedError: an experiment has no result.
+    """
+    config.check()
+    folder = writable_folder(config.out)
+    noise = load_part(config.part).noise
+    rendered = load_noise(noise)
+    members = load_ensemble(noise, rendered)
+    setting = Setting(load_thresholds("paper"), seed=config.seed)
+    specs = [
+        setting.spec(config.part, "none", world(rendered, taken(members, experiment), one), experiment)
+        for one in design()
+        for experiment in range(config.experiments)
+    ]
+    counted = count_all(specs, config.workers, config.part)
+    grid = [counted[start : start + config.experiments] for start in range(0, len(specs), config.experiments)]
+    paper = ROBOT_TABLE[config.part, "none"]
+    found = fit_gap(grid, paper)
+    draws = found.draw(config.draws, np.random.default_rng(np.random.SeedSequence(config.seed, spawn_key=(3,))))
+    write_json(
+        folder / "gap.json",
+        {
+            "object": config.part,
+            "paper": dict(zip(("ap", "ar"), paper, strict=True)),
+            "mode": found.mode,
+            "expected": dict(zip(("ap", "ar"), found.expected, strict=True)),
+            "misfit": found.misfit,
+            "core_scale_ci": found.interval(0),
+            "outlier_odds_ci": found.interval(1),
+            "grid": [{"gap": one, "counts": row} for one, row in zip(design(), grid, strict=True)],
+            "draws": draws,
+        },
+    )
+    write_json(folder / "manifest.json", {**manifest(config), "seed": config.seed})
+    print(_report(config.part, paper, grid, found))
+    print(f"results in {folder}")
+    return 0
+
+
+def _report(part: str, paper: tuple[float, float], grid: list[list[Count]], found: GapFit) -> str:
+    lines = [
+        f"{part} without uncertainty quantification; the paper has AP {paper[0]:.1%}, AR {paper[1]:.1%}",
+        "core scale  outlier odds   AP %   AR %  void  time-outs",
+    ]
+    for one, row in zip(design(), grid, strict=True):
+        ap, ar = ([rate for count in row if (rate := getattr(count, name)) is not None] for name in ("ap", "ar"))
+        lines.append(
+            f"{one.core_scale:10.2f} {one.outlier_odds:13.1f} {_mean(ap)} {_mean(ar)} "
+            f"{sum(count.void for count in row):5} {sum(count.timeouts for count in row):10}"
+        )
+    mode = found.mode
+    reached = "" if found.misfit < 6.0 else ": out of reach of these gaps"
+    lines += [
+        f"most probable: core scale {mode.core_scale:.2f} {_interval(found, 0)}, outlier odds {mode.outlier_odds:.1f} "
+        f"{_interval(found, 1)}; 95 % in brackets",
+        f"there AP {found.expected[0]:.1%}, AR {found.expected[1]:.1%}; misfit {found.misfit:.1f}{reached}",
+    ]
+    return "\n".join(lines)
+
+
+def _mean(rates: list[float]) -> str:
+    return f"{100 * np.mean(rates):6.1f}" if rates else "     –"
+
+
+def _interval(found: GapFit, axis: int) -> str:
+    low, high = found.interval(axis)
+    return f"[{low:.2f}, {high:.1f}]"

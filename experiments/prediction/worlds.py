@@ -1,0 +1,86 @@
+"""The worlds of a prediction: each an accepted parameter set with a domain gap; several experiments are run in each."""
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from importlib.resources import files
+from typing import Any
+
+from experiments.errors import UsageError
+from experiments.experiment import ExperimentSpec
+from experiments.prediction.gap import Gap
+from experiments.thresholds import Thresholds
+from sim.errors import NoiseFileError
+from sim.noise import PartNoise
+
+_ENSEMBLES = files("sim") / "assets" / "noise"
+
+Noise = tuple[tuple[str, float], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Setting:
+    """What all experiments of a prediction share, beside part, method and world.
+
+    Attributes:
+        thresholds: of all methods.
+        seed: root seed.
+        parts: on the belt.
+        speed: name of the speed preset.
+        refine_distance: m; see `CycleConfig`.
+        noise: parameters of the error models that are changed whatever the world.
+    """
+
+    thresholds: Thresholds
+    seed: int = 0
+    parts: int = 8
+    speed: str = "ur-default"
+    refine_distance: float = 0.40
+    noise: Noise = ()
+
+    def spec(self, part: str, method: str, world: Noise, experiment: int) -> ExperimentSpec:
+        """One experiment in one world."""
+        return ExperimentSpec(
+            part=part,
+            method=method,
+            estimator="noisy",
+            thresholds=self.thresholds,
+            speed=self.speed,
+            parts=self.parts,
+            seed=self.seed,
+            experiment=experiment,
+            noise=tuple({**dict(world), **dict(self.noise)}.items()),
+            refine_distance=self.refine_distance,
+        )
+
+
+def world(rendered: PartNoise, member: dict[str, float], gap: Gap) -> Noise:
+    """The parameters that differ from the error model's file: an accepted set's, and the gap on top of them."""
+    return tuple((member | gap.noise(rendered.changed(member))).items())
+
+
+def load_ensemble(noise: str, rendered: PartNoise) -> list[dict[str, float]]:
+    """The model itself, which changes nothing, and the other accepted parameter sets that come with it.
+
+    Args:
+        noise: The model's name or file.
+        rendered: The model.
+
+    Raises:
+        UsageError: the file beside the model is malformed.
+    """
+    path = _ENSEMBLES / f"{noise}.ensemble.json"
+    if noise.endswith(".toml") or not path.is_file():
+        return [{}]
+    try:
+        members: list[dict[str, Any]] = json.loads(path.read_text(encoding="utf-8"))
+        for member in members:
+            rendered.changed(member)
+    except (ValueError, TypeError, AttributeError, NoiseFileError) as error:
+        raise UsageError(f"the ensemble of {noise} is malformed: {error}") from error
+    return [{}, *members]
+
+
+def taken(items: Sequence[Any], index: int) -> Any:
+    """The index-th of items that begin anew when they are over."""
+    return items[index % len(items)]

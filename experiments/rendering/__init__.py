@@ -1,0 +1,1 @@
+"""`graspcell render-dataset`: pictures with their truth, as BOP datasets."""

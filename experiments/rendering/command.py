@@ -1,0 +1,96 @@
+"""`graspcell render-dataset`: pictures of parts as a BOP dataset."""
+
+import sys
+from collections.abc import Iterator
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import closing
+from dataclasses import dataclass
+from pathlib import Path
+
+from tqdm import tqdm
+
+from cell.layout import default_camera
+from experiments.pool import run_all
+from experiments.provenance import manifest, write_json
+from experiments.rendering.config import IMAGES_PER_SCENE, RenderDataset
+from experiments.rendering.files import Labels, targets, write_model, write_picture, write_scene
+from maskval import bop
+from sim.errors import DivergenceError
+from sim.latents import Streams
+from sim.parts import load_part
+from sim.pictures import STYLES
+
+FAILED = 1  # the exit code
+
+
+@dataclass(frozen=True, slots=True)
+class RenderTask:
+    """A run of pictures of one scene.
+
+    Attributes:
+        config: what they are to be.
+        images: their numbers in the dataset.
+    """
+
+    config: RenderDataset
+    images: range
+
+
+def render_dataset(config: RenderDataset) -> int:
+    """Renders and writes the dataset; returns the exit code.
+
+    Raises:
+        UsageError: an argument that cannot be.
+    """
+    config.check()
+    write_model(config.out, load_part(config.object).part.mesh, default_camera())
+    asked: list[bop.Target] = []
+    try:
+        for scene_id, labels in _scenes(config):
+            write_scene(_scene_folder(config, scene_id), labels)
+            asked += targets(scene_id, labels)
+    except (BrokenProcessPool, DivergenceError, OSError) as error:
+        reason = "a worker process died (out of memory?)" if isinstance(error, BrokenProcessPool) else error
+        print(f"graspcell: error: {reason}; the dataset in {config.out} is not complete", file=sys.stderr)
+        return FAILED
+    bop.write_targets(config.out / f"{config.split}_targets_bop19.json", asked)
+    write_json(config.out / "manifest.json", manifest(config))
+    shown = sum(target.inst_count for target in asked)
+    print(f"{config.images} pictures with {shown} parts of at least 10 % visibility in {config.out}")
+    return 0
+
+
+def render_batch(task: RenderTask) -> dict[int, Labels]:
+    """Renders and writes the images of a task; returns their labels by number in the scene."""
+    config, model, camera = task.config, load_part(task.config.object), default_camera()
+    scene = _scene_folder(config, task.images[0] // IMAGES_PER_SCENE)
+    (scene / "rgb").mkdir(parents=True, exist_ok=True)
+    labels = {}
+    for number in task.images:
+        streams = Streams(config.seed, number, f"{model.part.name} {config.split}")
+        picture = STYLES[config.style](model, camera, streams, config.textured)
+        labels[number % IMAGES_PER_SCENE] = write_picture(
+            scene, number % IMAGES_PER_SCENE, picture, model.part.mesh, camera
+        )
+    return labels
+
+
+def _scenes(config: RenderDataset) -> Iterator[tuple[int, dict[int, Labels]]]:
+    """Each scene's labels once its images are written."""
+    tasks = [RenderTask(config, batch) for batch in config.batches]
+    labels: dict[int, Labels] = {}
+    with (
+        tqdm(total=config.images, unit="image", dynamic_ncols=True) as progress,
+        closing(run_all(render_batch, tasks, config.workers)) as stream,
+    ):
+        for task, batch in zip(tasks, stream, strict=True):
+            labels |= batch
+            progress.update(len(batch))
+            last = task.images[-1]
+            if last % IMAGES_PER_SCENE == IMAGES_PER_SCENE - 1 or last == config.images - 1:
+                yield last // IMAGES_PER_SCENE, labels
+                labels = {}
+
+
+def _scene_folder(config: RenderDataset, scene_id: int) -> Path:
+    return config.out / config.split / f"{scene_id:06d}"
