@@ -381,7 +381,7 @@ def test_diverging_physics_fails_its_experiment_and_leaves_the_next_one_untouche
 
 
 def test_a_part_without_room_on_the_belt_fails_its_experiment(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("sim.placement._fill_belt", lambda *_: None)
+    monkeypatch.setattr("sim.placement._fill_belt", lambda *_, **__: None)
     result = run_experiment(spec())
     assert result.failure is not None
     assert result.failure.startswith("PlacementError: no room for 2 × antenna")
