@@ -22,7 +22,7 @@ STAGES = {  # name: (module, class or None, function)
     "part numbers (segmentation)": ("sim.camera", "Camera", "part_numbers"),
     "masks": ("sim.estimators", "NoisyMasks", "detect"),
     "poses": ("sim.estimators", "NoisyPoses", "estimate"),
-    "uncertainty": ("cell.perception", "Perception", "_uncertainties"),
+    "uncertainty": ("cell.perception", "Perception", "uncertainties"),
     "joint moves": ("cell.motion", None, "joint_move"),
     "lines with inverse kinematics": ("cell.motion", None, "line_move"),
     "logs": ("experiments.recorder", "Recorder", "__call__"),

@@ -9,7 +9,7 @@ from statistics import median
 
 import numpy as np
 
-import experiments.experiment as subject
+import sim.stage as subject
 from cell.interfaces import Contact, Touch
 from cell.records import State, Transition
 from cell.ur10 import forward
