@@ -24,6 +24,8 @@ from experiments.pool import run_all
 from experiments.table import Interval, make_cell
 from experiments.thresholds import load_thresholds
 from maskval import bootstrap_mean_interval
+from sim.env_options import Rewards
+from sim.errors import EnvOptionError
 
 Array = NDArray[np.float32]
 
@@ -40,6 +42,8 @@ class Learn:
     """Part to be sequenced: antenna or handle."""
     steps: int = 2048
     """Decisions to learn from."""
+    false_positive: float = -1.0
+    """Reward of an attempt that ends in a collision, a dropped or a misplaced part; a part in its slot is worth 1."""
     experiments: int = 15
     """Experiments of 8 parts to test with; every policy meets the same ones."""
     seed: int = 0
@@ -78,9 +82,10 @@ class LeastUncertain(gymnasium.Wrapper[Array, np.int64]):
         return np.array([*features, float(observation["refining"][0]), time_left], np.float32)
 
 
-def make_env(part: str) -> LeastUncertain:
+def make_env(config: Learn) -> LeastUncertain:
     """The environment that is learned in."""
-    return LeastUncertain(gymnasium.make("graspcell:GraspCell-v0", part=part))
+    rewards = Rewards(false_positive=config.false_positive)
+    return LeastUncertain(gymnasium.make("graspcell:GraspCell-v0", part=config.object, rewards=rewards))
 
 
 def learned(config: Learn) -> Any:
@@ -97,7 +102,7 @@ def learned(config: Learn) -> Any:
         raise UsageError(f"expected the extra learn: pip install 'graspcell[learn]' ({error})") from error
     os.environ.setdefault("OMP_NUM_THREADS", "1")  # the environments fill the cores
     belts = make_vec_env(
-        partial(make_env, config.object),
+        partial(make_env, config),
         config.jobs,
         seed=TRAINING_SEED,
         vec_env_cls=SubprocVecEnv,
@@ -112,7 +117,7 @@ def learned(config: Learn) -> Any:
 
 def tried_learned(model: Any, config: Learn) -> list[Count]:
     """What each of the test's experiments comes to when the model decides."""
-    env, counts = make_env(config.object), []
+    env, counts = make_env(config), []
     for experiment in range(config.experiments):
         observation, info = env.reset(seed=config.seed, options={"experiment": experiment})
         over = False
@@ -127,9 +132,9 @@ def tried_learned(model: Any, config: Learn) -> list[Count]:
     return counts
 
 
-def tried_method(method: str, config: Learn) -> list[Count]:
+def tried_method(method: str, thresholds_name: str, config: Learn) -> list[Count]:
     """The same experiments with a method of the paper and its policy."""
-    thresholds = load_thresholds("paper")
+    thresholds = load_thresholds(thresholds_name)
     specs = [
         ExperimentSpec(config.object, method, "noisy", thresholds, "ur-default", 8, config.seed, experiment)
         for experiment in range(config.experiments)
@@ -168,14 +173,16 @@ def main() -> None:
         check_part_and_method(config.object, "maskval", load_thresholds("paper"))
         for name in ("steps", "experiments", "jobs"):
             at_least(f"--{name}", getattr(config, name), 1)
+        Rewards(false_positive=config.false_positive)
         model = learned(config)
-    except UsageError as error:
+    except (UsageError, EnvOptionError) as error:
         sys.exit(f"experiments.learn: error: {error}")
     rows = [
         HEADER,
         row(f"learned ({model.num_timesteps} decisions)", tried_learned(model, config)),
-        row("maskval, thresholds", tried_method("maskval", config)),
-        row("none, always", tried_method("none", config)),
+        row("maskval, the paper's threshold", tried_method("maskval", "paper", config)),
+        row("maskval, derived threshold", tried_method("maskval", "derived", config)),
+        row("none, always", tried_method("none", "paper", config)),
     ]
     widths = [max(len(line[column]) for line in rows) for column in range(len(HEADER))]
     for line in rows:

@@ -66,6 +66,7 @@ def test_a_row_has_the_pooled_intervals_and_the_parts_per_hour():
         (["--object", "spoon"], "spoon"),
         (["--steps", "0"], "--steps"),
         (["--experiments", "0"], "--experiments"),
+        (["--false-positive", "nan"], "false_positive"),
     ],
 )
 def test_what_cannot_be_learned_is_said_in_one_line(arguments, words, monkeypatch):
