@@ -7,6 +7,7 @@ import io
 import re
 import sys
 from collections.abc import Callable, Sequence
+from concurrent.futures.process import BrokenProcessPool
 from typing import Annotated, Any
 
 import tyro
@@ -14,6 +15,7 @@ import tyro
 from experiments.calibration.config import Calibrate
 from experiments.config import Compare, Picture, Run, Tolerance
 from experiments.dataset.config import Dataset
+from experiments.dataset.rules import Rules
 from experiments.errors import ExperimentsFailedError, UsageError
 from experiments.parties import Parties
 from experiments.prediction.config import FitGap, Predict
@@ -27,7 +29,7 @@ _GL_PACKAGES = "libegl1 libgl1 libosmesa6"  # sim.camera names them too, but can
 
 _ASIDES = ("For full", "Argument help", "Perhaps you meant")  # of tyro: they fill a screen, not a line
 _PLACE = re.compile(r"^Error parsing \S+: ")  # what tyro puts before the message of a record that refuses a value
-_GROUPS: dict[str, type[Any]] = {"conditions": Conditions, "parties": Parties}  # by the field that holds them
+_GROUPS: dict[str, type[Any]] = {"conditions": Conditions, "parties": Parties, "rules": Rules}  # by the field
 _DESCRIPTION = (
     "Closed-loop grasp experiments in simulation that tell which 6D-pose uncertainty can be trusted. "
     "`graspcell COMMAND --help` explains a command."
@@ -134,6 +136,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
         _fail(str(error), USAGE)
     except ExperimentsFailedError as error:
         _fail(str(error), 1)
+    except BrokenProcessPool:
+        _fail("a worker process died (out of memory?)", 1)
     except KeyboardInterrupt:
         _fail("interrupted", 130)
     sys.exit(code)

@@ -3,8 +3,11 @@
 from dataclasses import dataclass
 from functools import lru_cache
 
+import numpy as np
+
 from cell.layout import Belt, Layout
-from maskval import Pose
+from maskval import Camera as Intrinsics
+from maskval import Mesh, Pose, silhouette, silhouette_iou
 from sim.camera import Camera
 from sim.clutter import CLEARANCES, distractors_of, place_distractors
 from sim.conditions import Conditions
@@ -31,9 +34,17 @@ def build_bench(part: str, parts: int, conditions: Conditions, maker_meshes: boo
         conditions: what disturbs the cell.
         maker_meshes: whether the arm is drawn with its maker's meshes.
     """
-    layout = Layout(belt=belt_under(conditions, parts))
-    world = World(layout, load_part(part), parts, conditions, maker_meshes)
+    layout, model = Layout(belt=belt_under(conditions, parts)), load_part(part)
+    world = World(layout, model, parts, conditions, maker_meshes)
+    _compile_kernels(model.part.mesh, layout.camera)
     return Bench(world, Camera(world.model, layout.camera.height, layout.camera.width))
+
+
+def _compile_kernels(mesh: Mesh, camera: Intrinsics) -> None:
+    """Has Numba compile what every picture needs, so that no network's time limit falls into it."""
+    ahead = Pose(rotation=np.eye(3), translation=np.array([0.0, 0.0, 0.5]))
+    silhouette_iou(mesh, [ahead], np.ones((1, camera.height, camera.width), dtype=np.bool_), camera)
+    silhouette(mesh, ahead, camera)
 
 
 bench = lru_cache(maxsize=4)(build_bench)  # kept, since compiling and opening a renderer take a second

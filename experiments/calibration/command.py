@@ -1,8 +1,6 @@
 """`graspcell calibrate`: the error model's parameters from the paper's dataset tables."""
 
-import sys
 from collections.abc import Mapping, Sequence
-from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
@@ -16,17 +14,15 @@ from experiments.calibration.fit import Fit, fit
 from experiments.calibration.images import ImageSet, Trial, run_trial
 from experiments.calibration.noise_file import rewrite
 from experiments.calibration.report import Fitted, Member, as_json, format_report
-from experiments.calibration.targets import Calibration, Prior, Target, load_calibration, values_at
+from experiments.calibration.targets import GROUPS, Calibration, Prior, Target, load_calibration, values_at
 from experiments.checks import writable_folder
 from experiments.pool import Run, workers
 from experiments.provenance import manifest, write_json
 from sim.noise import PartNoise, load_noise, noise_text
 from sim.parts import load_part
 
-WORKER_DIED = 1  # the exit code
 DETECTOR_IMAGES = 2_000  # are enough for mask figures, which are far steadier than those of poses
 UNREACHED = 100.0  # misses in sd of a figure that does not exist, so that the fit turns back
-GROUPS = {"mask": ("mask",), "pose": ("maskval", "ensemble-add")}  # of targets, by section of the noise file
 ACCEPTED = 3.0  # sd of each target within which a parameter set is as good as the fit
 
 Array = NDArray[np.float64]
@@ -38,20 +34,18 @@ def calibrate(config: Calibrate) -> int:
 
     Raises:
         UsageError: an argument that cannot be.
+        BrokenProcessPool: a worker died; nothing is written.
     """
     config.check()
     folder = writable_folder(config.out)
     model = load_part(config.part)
-    noise = load_noise(config.start or model.noise)
+    start = config.start or model.noise
+    noise = load_noise(start)
     calibration = load_calibration(config.targets or model.part.name, noise)
-    try:
-        with workers(config.workers) as run, tqdm(unit="trial", dynamic_ncols=True) as progress:
-            bench = _Bench(run, ImageSet(config.part, config.seed, config.images), progress)
-            fitted = _fit(bench, calibration, noise, config)
-    except BrokenProcessPool:
-        print("graspcell: error: a worker process died (out of memory?); nothing is written", file=sys.stderr)
-        return WORKER_DIED
-    (folder / "noise.toml").write_text(rewrite(noise_text(model.noise), fitted.lines()), encoding="utf-8")
+    with workers(config.workers) as run, tqdm(unit="trial", dynamic_ncols=True) as progress:
+        bench = _Bench(run, ImageSet(config.part, config.seed, config.images), progress)
+        fitted = _fit(bench, calibration, noise, config)
+    (folder / "noise.toml").write_text(rewrite(noise_text(start), fitted.lines()), encoding="utf-8")
     write_json(folder / "ensemble.json", [member.values for member in fitted.members if member.accepted])
     write_json(folder / "calibration.json", as_json(model.part.name, config.images, fitted))
     write_json(folder / "manifest.json", {**manifest(config), "seed": config.seed})

@@ -11,11 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cell.layout import default_camera
+from experiments.dataset.batch import annotate
 from experiments.dataset.coco import Annotations, MaskFigures, mask_figures
-from experiments.dataset.metrics import Figures, figures
-from experiments.dataset.rules import Rules
+from experiments.dataset.metrics import Figures, figures, from_least
+from experiments.dataset.rules import ANNOTATED_VISIBILITY, Rules
 from maskval import ImageErrors, PackedMasks, add, match_images, mdd, uncertainty
-from maskval.ensemble import ENSEMBLE_MAXIMUM_M
 from sim.dataset import ImageTruth, Recipe, make_image
 from sim.dataset_estimates import ImageLatents, detect, draw_latents, estimate
 from sim.latents import Streams
@@ -23,10 +23,7 @@ from sim.noise import MaskNoise, PartNoise, PoseNoise
 from sim.part_numbers import NOTHING, PIXEL_CENTER
 from sim.parts import load_part
 
-ANNOTATED_VISIBILITY = 0.1  # as `graspcell dataset` has it
-
 Mask = NDArray[np.bool_]
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,11 +89,7 @@ def _detections(images: ImageSet, noise: MaskNoise) -> tuple[list[Found], MaskFi
     annotations, found = Annotations(), []
     for image in _images(images):
         detections = detect(image.truth, image.latents, noise)
-        seen = enumerate(image.truth.visibility)
-        annotations.add(
-            [(image.truth.mask(part), share >= ANNOTATED_VISIBILITY) for part, share in seen if share > 0.0],
-            [(detection.mask, detection.score) for detection in detections],
-        )
+        annotate(annotations, image.truth, detections, ANNOTATED_VISIBILITY)
         found.append(_packed(image.truth, [detection.mask for detection in detections]))
     return found, mask_figures(annotations.matches())
 
@@ -123,12 +116,5 @@ def _method_figures(images: ImageSet, found: list[Found], noise: PoseNoise) -> d
         u.append(uncertainty(mesh, first, one.masks, camera, pixel_center=PIXEL_CENTER).u)
         disagreement_m += [add(X1, X2, mesh.vertices) for X1, X2 in zip(first, second, strict=True)]
     matched = match_images(errors)
-    sets = {"maskval": np.concatenate(u), "ensemble-add": _ensemble_add(np.array(disagreement_m))}
+    sets = {"maskval": np.concatenate(u), "ensemble-add": from_least(np.array(disagreement_m))}
     return {method: figures(replace(matched, u=values), Rules()) for method, values in sets.items()}
-
-
-def _ensemble_add(disagreement_m: Array) -> Array:
-    """Ensemble-ADD's u of all poses of a set, (N,): its scale begins at the set's least disagreement."""
-    low = disagreement_m.min() if len(disagreement_m) else 0.0
-    scaled: Array = np.clip((disagreement_m - low) / (ENSEMBLE_MAXIMUM_M - low), 0.0, 1.0)
-    return scaled

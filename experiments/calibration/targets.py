@@ -19,6 +19,7 @@ FIGURES = {  # by group of targets: what `graspcell dataset` prints
     "maskval": ("spearman", "auc_ar", "u_tg"),
     "ensemble-add": ("spearman", "auc_ar", "u_tg"),
 }
+GROUPS = {"mask": ("mask",), "pose": ("maskval", "ensemble-add")}  # of targets, by the section of what they determine
 _FOLDER = files("experiments") / "presets" / "calibration"
 _FORM = "expected [target.GROUP] with FIGURE = { value, sd } and [prior.SECTION] with KEY = { center, spread }"
 
@@ -132,6 +133,11 @@ def load_calibration(name_or_file: str, noise: PartNoise) -> Calibration:
         if not targets or not priors:
             raise ValueError("no targets or no priors")
         noise.changed({prior.name: prior.center for prior in priors})
+        for prior in priors:
+            groups = GROUPS.get(prior.section, ())
+            if not any(target.group in groups for target in targets):
+                asked = f"expected a target of {' or '.join(groups)}" if groups else "no target determines it"
+                raise ValueError(f"prior {prior.name} has no target: {asked}")
         for prior in priors:
             _coordinate(prior.center, *bounds(prior.name))
     except KeyError as missing:

@@ -7,6 +7,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
+from cell.interfaces import Detection
 from cell.layout import default_camera
 from cell.part import Part
 from experiments.dataset.coco import Annotations, Matches
@@ -96,15 +97,16 @@ def run_batch(task: BatchTask) -> tuple[Judged, Matches]:
         streams = Streams(task.seed, number, model.part.name)
         truth = make_image(mesh, camera, Recipe(), streams)
         estimates = estimate_image(truth, mesh, camera, noise, streams)
-        _annotate(annotations, truth, estimates, task.annotated_visibility)
+        annotate(annotations, truth, estimates.detections, task.annotated_visibility)
         booth.keep(FrameTruth(number, truth.part_numbers, truth.X_CO_true, camera))
         images.append(_judge(truth, estimates, mesh, camera, methods))
     return Judged.join(images), annotations.matches()
 
 
-def _annotate(annotations: Annotations, truth: ImageTruth, estimates: ImageEstimates, least: float) -> None:
+def annotate(annotations: Annotations, truth: ImageTruth, detections: Sequence[Detection], least: float) -> None:
+    """Adds an image to the detector's reckoning; it is asked for the parts whose visible share is at least `least`."""
     seen = [(truth.mask(part), share >= least) for part, share in enumerate(truth.visibility) if share > 0.0]
-    annotations.add(seen, [(detection.mask, detection.score) for detection in estimates.detections])
+    annotations.add(seen, [(detection.mask, detection.score) for detection in detections])
 
 
 def make_uncertainties(

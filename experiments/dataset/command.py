@@ -1,8 +1,6 @@
 """`graspcell dataset`: the paper's dataset tables, on test images made here."""
 
-import sys
 from collections.abc import Iterator
-from concurrent.futures.process import BrokenProcessPool
 from contextlib import closing
 
 from tqdm import tqdm
@@ -20,28 +18,23 @@ from experiments.provenance import manifest, write_json
 from sim.dataset import Recipe
 from sim.parts import load_part
 
-WORKER_DIED = 1  # the exit code
-
 
 def dataset(config: Dataset) -> int:
     """Makes and judges all images, prints the tables and writes the results; returns the exit code.
 
     Raises:
         UsageError: an argument that cannot be.
+        BrokenProcessPool: a worker died; nothing is written.
     """
     config.check()
     folder = writable_folder(config.out)
     sets: list[Scored] = []
     others: dict[str, dict[str, dict[str, Figures]]] = {}
-    try:
-        for part, judged, matches in _judged_sets(config):
-            name = load_part(part).part.name
-            sets.append(score(name, judged, matches, config.rules, seed=config.seed, resamples=config.resamples))
-            if config.alternatives:
-                others[name] = alternatives(judged)
-    except BrokenProcessPool:
-        print("graspcell: error: a worker process died (out of memory?); nothing is written", file=sys.stderr)
-        return WORKER_DIED
+    for part, judged, matches in _judged_sets(config):
+        name = load_part(part).part.name
+        sets.append(score(name, judged, matches, config.rules, seed=config.seed, resamples=config.resamples))
+        if config.alternatives:
+            others[name] = alternatives(judged)
     write_json(folder / "dataset.json", {"objects": [one.as_json() for one in sets]})
     (folder / "thresholds.toml").write_text(thresholds_toml(sets, config.command), encoding="utf-8")
     write_json(folder / "manifest.json", {**manifest(config), "seed": config.seed, "recipe": Recipe()})

@@ -2,15 +2,19 @@
 
 # ruff: noqa: PLC0415  # the parts are loaded when the job begins: --help does not wait for them
 
-import os
 import shlex
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from pathlib import Path
 
-from experiments.checks import at_least, writable_folder
-from experiments.dataset.rules import Averaging, Choice, EmptyImages, FalseNegatives, Minimum, Range, Rules, Visibility
+import tyro
+
+from experiments.checks import at_least, worker_count, writable_folder
+from experiments.dataset.rules import ANNOTATED_VISIBILITY, Rules
 from experiments.errors import UsageError
 
+CountingRules = tyro.conf.OmitArgPrefixes[Rules]  # --averaging, not --rules.averaging
+
+_SAME = ("resamples", "jobs", "alternatives", "figures", "out")  # options that change no figure
 _BATCH = 100  # images that a worker makes at a time
 
 
@@ -36,21 +40,8 @@ class Dataset:
     """Processes to make images in; 0 takes one per core. The results do not depend on it."""
     resamples: int = 200
     """Bootstrap samples of the 95 % intervals; they draw whole images."""
-    averaging: Averaging = "images"
-    """AP and AR of each image and then their mean (images), or of all poses at once (pooled)."""
-    empty_images: EmptyImages = "skip"
-    """An image without remaining poses has no AP (skip), or AP 1 (one)."""
-    false_negatives: FalseNegatives = "no true positive"
-    """An eligible part is one when no true positive of it remains, or only when no pose of it remains."""
-    visibility: Visibility = "total"
-    """What makes a part eligible: all that hides it (total), or the image's border alone (in view)."""
-    threshold: Choice = "largest"
-    """u_t,g is the largest that reaches the AP, or the last one before the AP is first missed (first violation)."""
-    auc_range: Range = "whole"
-    """AUC AR over errors of 0 to 30 mm (whole), or from the first error threshold that reaches the AP (reached)."""
-    ensemble_minimum: Minimum = "least"
-    """Ensemble-ADD's scale begins at the least disagreement of the set (least), or at 0 (zero)."""
-    annotated_visibility: float = 0.1
+    rules: CountingRules = field(default_factory=Rules)
+    annotated_visibility: float = ANNOTATED_VISIBILITY
     """Least visible share of a part that the detector is asked for, 0 to 1; 0.1 as in BOP's 2D tasks."""
     alternatives: bool = False
     """Also print what each other counting rule would give."""
@@ -63,26 +54,15 @@ class Dataset:
     def command(self) -> str:
         """What to type for the same figures: every option that differs from its default and changes them."""
         words = ["graspcell dataset"]
-        for option in fields(self):
-            value = getattr(self, option.name)
-            if value == option.default or option.name in ("resamples", "jobs", "alternatives", "figures", "out"):
-                continue
-            values = map(str, value) if isinstance(value, tuple) else [str(value)]
-            words += [f"--{option.name.replace('_', '-')}", *map(shlex.quote, values)]
+        default = Dataset()
+        for owner, other in ((self, default), (self.rules, default.rules)):
+            for option in fields(owner):
+                value = getattr(owner, option.name)
+                if value == getattr(other, option.name) or option.name in ("rules", *_SAME):
+                    continue
+                values = map(str, value) if isinstance(value, tuple) else [str(value)]
+                words += [f"--{option.name.replace('_', '-')}", *map(shlex.quote, values)]
         return " ".join(words)
-
-    @property
-    def rules(self) -> Rules:
-        """The counting rules."""
-        return Rules(
-            self.averaging,
-            self.empty_images,
-            self.false_negatives,
-            self.visibility,
-            self.threshold,
-            self.auc_range,
-            self.ensemble_minimum,
-        )
 
     @property
     def named_methods(self) -> tuple[str, ...]:
@@ -95,7 +75,7 @@ class Dataset:
     @property
     def workers(self) -> int:
         """Processes to use."""
-        return self.jobs or os.cpu_count() or 1
+        return worker_count(self.jobs)
 
     @property
     def batches(self) -> list[range]:

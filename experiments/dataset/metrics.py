@@ -41,12 +41,18 @@ def least_disagreement(judged: Judged) -> float | None:
     return float(judged.disagreement_m.min()) if len(judged.disagreement_m) else None
 
 
+def from_least(disagreement_m: Array) -> Array:
+    """Ensemble-ADD's u of all poses of a set, (N,): its scale begins at the set's least disagreement."""
+    low = disagreement_m.min() if len(disagreement_m) else 0.0
+    scaled: Array = np.clip((disagreement_m - low) / (ENSEMBLE_MAXIMUM_M - low), 0.0, 1.0)
+    return scaled
+
+
 def evaluations(judged: Judged, rules: Rules) -> dict[str, Evaluation]:
     """The poses with the uncertainty of each method of the set; the scale of Ensemble-ADD begins as the rules say."""
     base, u = _matched(judged, rules), dict(judged.u)
     if "ensemble-add" in u and rules.ensemble_minimum == "least":
-        low = least_disagreement(judged) or 0.0
-        u["ensemble-add"] = np.clip((judged.disagreement_m - low) / (ENSEMBLE_MAXIMUM_M - low), 0.0, 1.0)
+        u["ensemble-add"] = from_least(judged.disagreement_m)
     return {method: replace(base, u=values) for method, values in u.items()}
 
 

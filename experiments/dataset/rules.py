@@ -13,28 +13,27 @@ Choice = Literal["largest", "first violation"]
 Range = Literal["whole", "reached"]
 Minimum = Literal["least", "zero"]
 
+ANNOTATED_VISIBILITY = 0.1  # least visible share of a part that a detector is asked for, as in BOP's 2D tasks
+
 
 @dataclass(frozen=True, slots=True)
 class Rules:
-    """How poses are counted, a threshold is chosen and figures are scaled.
-
-    Args:
-        averaging: see `maskval.Counting`.
-        empty_images: see `maskval.Counting`.
-        false_negatives: see `maskval.Counting`.
-        visibility: whether a part is eligible by all that hides it, or by the image's border alone.
-        threshold: the largest u_T that reaches the AP, or the last one before the AP is first missed.
-        auc_range: AUC AR over all error thresholds, or from the first one that reaches the AP.
-        ensemble_minimum: Ensemble-ADD's scale begins at the least disagreement of the set, or at 0.
-    """
+    """How poses are counted, a threshold is chosen and figures are scaled; the first three as in `maskval.Counting`."""
 
     averaging: Averaging = "images"
+    """AP and AR of each image and then their mean (images), or of all poses at once (pooled)."""
     empty_images: EmptyImages = "skip"
+    """An image without remaining poses has no AP (skip), or AP 1 (one)."""
     false_negatives: FalseNegatives = "no true positive"
+    """An eligible part is one when no true positive of it remains, or only when no pose of it remains."""
     visibility: Visibility = "total"
+    """What makes a part eligible: all that hides it (total), or the image's border alone (in view)."""
     threshold: Choice = "largest"
+    """u_t,g is the largest that reaches the AP, or the last one before the AP is first missed (first violation)."""
     auc_range: Range = "whole"
+    """AUC AR over errors of 0 to 30 mm (whole), or from the first error threshold that reaches the AP (reached)."""
     ensemble_minimum: Minimum = "least"
+    """Ensemble-ADD's scale begins at the least disagreement of the set (least), or at 0 (zero)."""
 
     @property
     def counting(self) -> Counting:

@@ -1,6 +1,7 @@
 """`graspcell predict`: the paper's robot table as a prediction, with the assumptions varied one at a time."""
 
 from collections.abc import Iterator, Sequence
+from typing import Any
 
 from experiments.checks import writable_folder
 from experiments.paper import ROBOT_TABLE
@@ -30,26 +31,19 @@ def predict(config: Predict) -> int:
     folder = writable_folder(config.out)
     worlds = {part: _worlds(part, config) for part in config.objects}
     names = list(VARIANTS) if "all" in config.variants else list(config.variants)
-    results = {}
+    write_json(folder / "manifest.json", {**manifest(config), "seed": config.seed})
+    results: dict[str, Any] = {}
+    found = {"worlds": {part: [dict(one) for one in rows] for part, rows in worlds.items()}, "variants": results}
     for name in names:
         setting = VARIANTS[name](Setting(load_thresholds("paper"), seed=config.seed))
-        results[name] = _cells(config, setting, worlds, name)
-        print(_table(name, results[name]))
-    write_json(
-        folder / "predict.json",
-        {
-            "worlds": {part: [dict(one) for one in rows] for part, rows in worlds.items()},
-            "variants": {
-                name: {
-                    "cells": cells,
-                    "agreement": agreement(cells),
-                    "agreement_predicted": agreement(_predicted(cells)),
-                }
-                for name, cells in results.items()
-            },
-        },
-    )
-    write_json(folder / "manifest.json", {**manifest(config), "seed": config.seed})
+        cells = _cells(config, setting, worlds, name)
+        results[name] = {
+            "cells": cells,
+            "agreement": agreement(cells),
+            "agreement_predicted": agreement(_predicted(cells)),
+        }
+        write_json(folder / "predict.json", found)  # after each variant: an interrupted job keeps those it finished
+        print(_table(name, cells), flush=True)
     print(f"results in {folder}")
     return 0
 

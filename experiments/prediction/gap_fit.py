@@ -14,12 +14,14 @@ from numpy.typing import NDArray
 from scipy.interpolate import RegularGridInterpolator
 
 from cell.records import Count
+from experiments.errors import UsageError
 from experiments.prediction.gap import Gap
 
 PAPER_EXPERIMENTS = 5
 CORE_SCALES = (1.0, 1.5, 2.25)
 OUTLIER_ODDS = (1.0, 4.0, 16.0, 64.0)
 _FINE = 41  # points per axis at which the likelihood is taken
+_FEWEST = 2  # experiments that a covariance takes
 _LEAST_VARIANCE = 1e-4  # of an experiment's AP or AR: where all of a point's experiments agree
 
 Array = NDArray[np.float64]
@@ -73,8 +75,17 @@ def fit_gap(counts: Sequence[Sequence[Count]], paper: tuple[float, float]) -> Ga
     Args:
         counts: The experiments of each gap of `design`.
         paper: The row's AP and AR, in [0, 1].
+
+    Raises:
+        UsageError: at one of the gaps fewer than two experiments have an AP and an AR.
     """
     rates = [np.array([(one.ap, one.ar) for one in row if one.ap is not None and one.ar is not None]) for row in counts]
+    for one, row in zip(design(), rates, strict=True):
+        if len(row) < _FEWEST:
+            raise UsageError(
+                f"expected at least {_FEWEST} experiments with grasps at every gap of the grid, got {len(row)} at core "
+                f"scale {one.core_scale:g}, outlier odds {one.outlier_odds:g}: more --experiments give more"
+            )
     shape = (len(CORE_SCALES), len(OUTLIER_ODDS))
     axes = (np.log(CORE_SCALES), np.log(OUTLIER_ODDS))
     mean = np.array([row.mean(axis=0) for row in rates]).reshape(*shape, 2)

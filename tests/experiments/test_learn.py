@@ -87,4 +87,4 @@ def test_the_example_learns_and_prints_its_table(monkeypatch, capsys):
     monkeypatch.setattr("sys.argv", ["learn", "--steps", "128", "--experiments", "1"])
     learn.main()
     lines = capsys.readouterr().out.splitlines()
-    assert len(lines) == 4
+    assert len(lines) == 5

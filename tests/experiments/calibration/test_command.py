@@ -5,9 +5,10 @@ import pytest
 
 from experiments.calibration.command import UNREACHED, miss
 from experiments.calibration.images import ImageSet, Trial, run_trial
+from experiments.calibration.noise_file import rewrite
 from experiments.calibration.targets import Target
 from experiments.cli import main
-from sim.noise import load_noise, read_noise
+from sim.noise import load_noise, noise_text, read_noise
 
 IMAGES = ImageSet("handle", seed=5, images=40)
 TARGETS = """
@@ -121,3 +122,12 @@ def test_bad_input_is_one_line_that_says_what_is_valid(capsys, arguments, words)
     told = capsys.readouterr().err
     assert words in told
     assert told.count("\n") == 1
+
+
+def test_a_fit_that_starts_at_a_noise_file_keeps_what_it_does_not_fit(fitted) -> None:
+    start = fitted / "start.toml"
+    start.write_text(rewrite(noise_text("handle"), {"pose.depth_ratio": (3.3, "mine")}))
+    arguments = ["--part", "handle", "--targets", str(fitted / "targets.toml"), "--start", str(start)]
+    arguments += ["--images", "10", "--rounds", "1", "--draws", "0", "--jobs", "1", "--out", str(fitted / "started")]
+    assert command(*arguments) == 0
+    assert read_noise((fitted / "started" / "noise.toml").read_text(), "noise.toml").pose.depth_ratio == 3.3

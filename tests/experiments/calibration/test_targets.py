@@ -9,8 +9,8 @@ from experiments.errors import UsageError
 from sim.noise import load_noise, noise_text, read_noise
 
 GOOD = """
-[target.mask]
-ap_50 = { value = 0.9, sd = 0.01 }
+[target.maskval]
+spearman = { value = 0.9, sd = 0.01 }
 [prior.pose]
 lateral_mm = { center = 0.5, spread = 0.5 }
 """
@@ -74,8 +74,16 @@ def test_no_number_of_standard_deviations_leaves_a_parameters_range() -> None:
     [
         ("[target", "Expected"),
         ("[target.mask]", "the key 'prior' is missing"),
-        (GOOD.replace("ap_50 ", "ap_51 "), "unknown target mask.ap_51"),
-        (GOOD.replace("target.mask", "target.masks"), "unknown target masks.ap_50"),
+        (GOOD.replace("spearman ", "spear "), "unknown target maskval.spear"),
+        (GOOD.replace("target.maskval", "target.masks"), "unknown target masks.spearman"),
+        (
+            GOOD.replace("maskval]\nspearman", "mask]\nap_50"),
+            "expected a target of maskval or ensemble-add",
+        ),
+        (
+            GOOD + "[prior.timing]\npose_s = { center = 0.2, spread = 0.5 }",
+            "prior timing.pose_s has no target",
+        ),
         (GOOD.replace("sd = 0.01", "sd = 0"), "expected sd above 0, came 0"),
         (GOOD.replace("value = 0.9", "value = 'x'"), "expected value to be a number, came 'x'"),
         (GOOD.replace("lateral_mm", "lateral"), "unknown noise parameter 'pose.lateral'"),

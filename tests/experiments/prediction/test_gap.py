@@ -111,6 +111,13 @@ def test_a_row_that_no_gap_gives_is_said_to_be_out_of_reach() -> None:
     assert found.misfit > 6.0
 
 
+def test_a_gap_at_which_nothing_is_grasped_is_refused() -> None:
+    rows = grid(lambda gap: 0.9)
+    rows[5] = [count(0, 0, 8)] * 19 + [count(8, 0, 0)]  # an experiment of time-outs alone has no AP
+    with pytest.raises(UsageError, match=r"at least 2 experiments .* got 1 at core scale 1\.5, outlier odds 4: more"):
+        fit_gap(rows, (0.6, 0.6))
+
+
 def test_draws_follow_the_probability_and_stay_on_the_grid() -> None:
     rates = dict(zip(OUTLIER_ODDS, (0.9, 0.7, 0.5, 0.3), strict=True))
     found = fit_gap(grid(lambda gap: rates[gap.outlier_odds]), (0.6, 0.6))
