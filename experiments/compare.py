@@ -12,6 +12,7 @@ from experiments.checks import FAILED, writable_folder
 from experiments.config import Compare
 from experiments.experiment import ExperimentSpec, Result, run_experiment
 from experiments.methods import known_method
+from experiments.paired import Paired, format_paired, pair
 from experiments.pool import run_all
 from experiments.provenance import manifest, write_json
 from experiments.report import format_table
@@ -57,8 +58,11 @@ def compare(config: Compare) -> int:
         except SimError:
             progress.leave = False  # the error shall be the only line
             raise
-    cells = make_cells(specs, results)
-    write_json(folder / "table.json", {"cells": [cell.as_json() for cell in cells]})
+    cells, pairs = make_cells(specs, results), make_pairs(specs, results)
+    write_json(
+        folder / "table.json",
+        {"cells": [cell.as_json() for cell in cells], "paired": [row.as_json() for row in pairs]},
+    )
     write_json(
         folder / "manifest.json",
         {
@@ -72,6 +76,7 @@ def compare(config: Compare) -> int:
     if config.parties.policy is not None:
         print(f"policy: {config.parties.policy}")
     print(format_table(cells))
+    print(format_paired(pairs), end="\n" if pairs else "")
     for caveat in caveats(specs):
         print(caveat)
     for result in results:
@@ -92,6 +97,23 @@ def make_cells(specs: Sequence[ExperimentSpec], results: Sequence[Result]) -> li
     for result in results:
         counts[result.spec.part, result.spec.method].append(result.count)
     return [make_cell(load_part(part).part.name, method, group) for (part, method), group in counts.items() if group]
+
+
+def make_pairs(specs: Sequence[ExperimentSpec], results: Sequence[Result]) -> list[Paired]:
+    """Every method beside the reference, object by object, over the experiments that both have finished."""
+    counts = {_place(result.spec): result.count for result in results}
+    pairs = []
+    for part in dict.fromkeys(spec.part for spec in specs):
+        groups: dict[str, list[list[Count | None]]] = {}
+        for spec in specs:
+            if spec.part == part:
+                groups.setdefault(spec.method, []).append([counts.get(_place(spec))])
+        pairs += pair(load_part(part).part.name, groups)
+    return pairs
+
+
+def _place(spec: ExperimentSpec) -> tuple[str, str, int]:
+    return spec.part, spec.method, spec.experiment
 
 
 def grasp_thresholds(specs: Sequence[ExperimentSpec]) -> dict[str, dict[str, float]]:

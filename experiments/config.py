@@ -94,6 +94,7 @@ class Compare:
                 policy=self.parties.policy,
                 recorded=self.parties.recorded,
                 time_limit=self.parties.time_limit,
+                noise=self.parties.noise(part, experiment),
             )
             for part in self.objects
             for method in methods
@@ -166,6 +167,7 @@ class Run:
             policy=self.parties.policy,
             recorded=self.parties.recorded,
             time_limit=self.parties.time_limit,
+            noise=self.parties.noise(self.object, self.experiment),
         )
 
 

@@ -11,6 +11,7 @@ from cell.asking import TIME_LIMIT
 from experiments.errors import UsageError
 
 if TYPE_CHECKING:
+    from experiments.prediction.worlds import Noise
     from experiments.thresholds import Thresholds
 
 
@@ -23,6 +24,9 @@ class Parties:
     your own as package.module:Class."""
     recorded: Path | None = None
     """Folder whose estimates --estimator replay repeats: written by compare or run, or BOP files."""
+    gap: str = "none"
+    """Domain gap of the noisy estimates. none: errors as on rendered images; fitted: as the paper's robot without UQ
+    speaks for on real ones, another draw for every experiment; or a gap.json of graspcell gap."""
     policy: str | None = None
     """always, best-of-view, threshold, patient, next-best-view, fuse, or your own as package.module:Class; without it
     each method has its own: always for none, threshold for the others."""
@@ -40,5 +44,18 @@ class Parties:
         if not 0 < self.time_limit < math.inf:
             raise UsageError(f"expected --time-limit above 0 s, got {self.time_limit:g}")
         check_estimator(self.estimator, self.recorded)
+        if self.gap != "none" and self.estimator != "noisy":
+            raise UsageError(f"expected --estimator noisy with --gap {self.gap}, got {self.estimator}")
+        self.noise(part, 0)
         known = load_part(part).part
         make_policy(self.policy, known_method(method, known, thresholds), known, Layout(), thresholds.refine)
+
+    def noise(self, part: str, experiment: int) -> "Noise":
+        """What an experiment changes in the error model of its part, which exists.
+
+        Raises:
+            UsageError: there is no such gap for the part.
+        """
+        from experiments.prediction.worlds import world_of
+
+        return () if self.gap == "none" else world_of(part, self.gap, experiment)

@@ -21,7 +21,7 @@ from maskval.errors import (
 from maskval.estimates import Estimates, Needs, UncertaintyMethod, needs_of
 from maskval.evaluation import NO_PART, Counting, Evaluation, ImageErrors, match_images
 from maskval.geometry import Pose, angle_between
-from maskval.intervals import bootstrap_mean_interval, proportion_interval
+from maskval.intervals import bootstrap_mean_interval, mean_interval, proportion_interval
 from maskval.mask_agreement import MaskVal, Uncertainties, maskval_uncertainty, uncertainty
 from maskval.masks import PackedMasks, mask_from_rle, mask_iou, rle_counts
 from maskval.mesh import Mesh
@@ -94,6 +94,7 @@ __all__ = [
     "maskval_uncertainty",
     "match_images",
     "mdd",
+    "mean_interval",
     "mspd",
     "mssd",
     "needs_of",

@@ -2,7 +2,7 @@
 
 import numpy as np
 import scipy
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 
 def proportion_interval(successes: int, trials: int, level: float = 0.95) -> tuple[float, float] | None:
@@ -22,6 +22,23 @@ def proportion_interval(successes: int, trials: int, level: float = 0.95) -> tup
     return float(interval.low), float(interval.high)
 
 
+def mean_interval(values: ArrayLike, level: float = 0.95) -> tuple[float, float] | None:
+    """Student's two-sided interval of a mean, in the unit of the values; None of fewer than two, or if all are equal.
+
+    For few observations, where the bootstrap is too sure; exact for normal ones.
+
+    Args:
+        values: Independent observations, (N,), finite.
+        level: Confidence level, in (0, 1).
+    """
+    sample = _sample(values)
+    _check_level(level)
+    if len(sample) < 2 or (sample == sample[0]).all():
+        return None
+    reach = scipy.stats.t.ppf((1 + level) / 2, len(sample) - 1) * sample.std(ddof=1) / np.sqrt(len(sample))
+    return float(sample.mean() - reach), float(sample.mean() + reach)
+
+
 def bootstrap_mean_interval(
     values: ArrayLike, rng: np.random.Generator, level: float = 0.95, resamples: int = 2000
 ) -> tuple[float, float] | None:
@@ -33,9 +50,7 @@ def bootstrap_mean_interval(
         level: Confidence level, in (0, 1).
         resamples: Number of bootstrap samples, >= 1.
     """
-    sample = np.asarray(values, dtype=np.float64)
-    if sample.ndim != 1 or not np.isfinite(sample).all():
-        raise ValueError(f"values must be finite and of shape (N,), but have shape {sample.shape}")
+    sample = _sample(values)
     if resamples < 1:
         raise ValueError(f"resamples must be >= 1, but is {resamples}")
     _check_level(level)
@@ -56,6 +71,13 @@ def percentile_interval(statistics: ArrayLike, level: float = 0.95) -> tuple[flo
     _check_level(level)
     low, high = np.quantile(np.asarray(statistics, dtype=np.float64), ((1 - level) / 2, (1 + level) / 2))
     return float(low), float(high)
+
+
+def _sample(values: ArrayLike) -> NDArray[np.float64]:
+    sample = np.asarray(values, dtype=np.float64)
+    if sample.ndim != 1 or not np.isfinite(sample).all():
+        raise ValueError(f"values must be finite and of shape (N,), but have shape {sample.shape}")
+    return sample
 
 
 def _check_level(level: float) -> None:

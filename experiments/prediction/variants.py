@@ -27,6 +27,8 @@ VARIANTS: dict[str, Variant] = {
     "refine-far": lambda setting: replace(setting, refine_distance=0.55),
     "outliers-own": _noise(pose__second_outlier_correlation=0.0, pose__second_same_content_share=0.0),
     "outliers-shared": _noise(pose__second_outlier_correlation=0.9, pose__second_same_content_share=0.9),
+    "outliers-small": _noise(pose__gross_rotation_deg=17.5, pose__gross_depth_mm=25.0, pose__gross_lateral_mm=6.0),
+    "outliers-flips": _noise(pose__flip_share=0.5),
     "depth-good": _noise(pose__depth_ratio=1.5),
     "depth-poor": _noise(pose__depth_ratio=4.0),
     "no-false-detections": _noise(mask__false_alarms_per_image=0.0),

@@ -3,15 +3,17 @@
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 from importlib.resources import files
 from typing import Any
 
 from experiments.errors import UsageError
 from experiments.experiment import ExperimentSpec
-from experiments.prediction.gap import Gap
+from experiments.prediction.gap import Gap, load_gaps
 from experiments.thresholds import Thresholds
 from sim.errors import NoiseFileError
-from sim.noise import PartNoise
+from sim.noise import PartNoise, load_noise
+from sim.parts import load_part
 
 _ENSEMBLES = files("sim") / "assets" / "noise"
 
@@ -79,6 +81,28 @@ def load_ensemble(noise: str, rendered: PartNoise) -> list[dict[str, float]]:
     except (ValueError, TypeError, AttributeError, NoiseFileError) as error:
         raise UsageError(f"the ensemble of {noise} is malformed: {error}") from error
     return [{}, *members]
+
+
+def world_of(part: str, gap: str, index: int) -> Noise:
+    """The index-th world of a part: accepted sets and draws of the gap begin anew when they are over.
+
+    Args:
+        part: The part's name or file.
+        gap: See `load_gaps`.
+        index: Of the world, from 0.
+
+    Raises:
+        UsageError: there is no such gap for this part.
+    """
+    rendered, members, gaps = _worlds(part, gap)
+    return world(rendered, taken(members, index), taken(gaps, index))
+
+
+@cache
+def _worlds(part: str, gap: str) -> tuple[PartNoise, list[dict[str, float]], list[Gap]]:
+    model = load_part(part)
+    rendered = load_noise(model.noise)
+    return rendered, load_ensemble(model.noise, rendered), load_gaps(model.part.name, gap)
 
 
 def taken(items: Sequence[Any], index: int) -> Any:

@@ -63,6 +63,8 @@ WRONG = [  # arguments, words that the one line of error must hold
     (["compare", "--jobs", "-1"], ["--jobs of at least 0", "got -1"]),
     (["compare", "--hand-eye-error-mm", "1", "2"], ["--hand-eye-error-mm", "3 values"]),
     (["compare", "--hand-eye-error-mm", "nan", "0", "0"], ["--hand-eye-error-mm within -100 and 100", "nan"]),
+    (["compare", "--gap", "no.json"], ["no gap for antenna in no.json", "expected none, fitted, or a gap.json"]),
+    (["run", "--gap", "fitted", "--estimator", "oracle"], ["--estimator noisy with --gap fitted", "got oracle"]),
     (["run", "--friction", "9"], ["--friction within 0.05 and 3", "9"]),
     (["run", "--object", "cup"], ["unknown object 'cup'", "antenna, handle"]),
     (["run", "--method", "mask"], ["unknown method 'mask'", "none, maskval, ", "package.module:Class"]),

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from maskval import bootstrap_mean_interval, proportion_interval
+from maskval import bootstrap_mean_interval, mean_interval, proportion_interval
 
 
 def test_the_interval_of_no_trials_is_none() -> None:
@@ -21,6 +21,20 @@ def test_the_interval_holds_the_proportion_as_often_as_it_says() -> None:
     rng = np.random.default_rng(1)
     intervals = [proportion_interval(int(k), 30, 0.9) for k in rng.binomial(30, 0.7, size=400)]
     assert sum(low <= 0.7 <= high for low, high in intervals) >= 0.9 * 400
+
+
+def test_students_interval_holds_the_mean_as_often_as_it_says_even_of_four_values() -> None:
+    rng = np.random.default_rng(1)
+    intervals = [mean_interval(rng.normal(5, 2, size=4), 0.9) for _ in range(2000)]
+    assert sum(low <= 5 <= high for low, high in intervals) / 2000 == pytest.approx(0.9, abs=0.02)  # 3 sd: 0.02
+
+
+def test_students_interval_needs_two_values_that_differ() -> None:
+    # t at 97.5 % with one degree of freedom is 12.706; the standard error of 1 and 3 is 1.
+    assert mean_interval([1, 3]) == pytest.approx((2 - 12.706, 2 + 12.706), abs=1e-3)
+    assert mean_interval([]) is None
+    assert mean_interval([2.0]) is None
+    assert mean_interval([2.0, 2.0, 2.0]) is None
 
 
 def test_the_bootstrap_interval_is_about_the_mean_plus_minus_196_standard_errors() -> None:

@@ -63,9 +63,9 @@ def test_every_variant_but_the_base_changes_its_setting() -> None:
     base = Setting(load_thresholds("paper"))
     changed = {name: variant(base) for name, variant in VARIANTS.items() if name != "thresholds-derived"}
     assert changed.pop("base") == base
-    assert len(changed) == 13
+    assert len(changed) == 15
     assert all(setting != base for setting in changed.values())
-    assert len({repr(setting) for setting in changed.values()}) == 13
+    assert len({repr(setting) for setting in changed.values()}) == 15
 
 
 def test_what_a_variant_changes_stands_above_the_world() -> None:
@@ -90,6 +90,29 @@ def test_a_prediction_runs_and_writes_what_it_prints(tmp_path, capsys) -> None:
     assert (cell["object"], cell["method"], cell["experiments"]) == ("handle", "none", 1)
     assert cell["tp"] + cell["fp"] + cell["timeouts"] == 8
     assert f"{100 * cell['ap']['mean']:.1f} [" in capsys.readouterr().out
+
+
+def test_compare_with_the_fitted_gap_runs_the_predictions_worlds(tmp_path) -> None:
+    for arguments in (
+        ["compare", "--gap", "fitted", "--thresholds", "paper", "--experiments", "2"],
+        ["predict", "--worlds", "2", "--experiments", "1"],
+        ["compare", "--experiments", "2"],
+    ):
+        with pytest.raises(SystemExit, match=r"^0$"):
+            main(
+                [*arguments, "--objects", "handle", "--methods", "none", "maskval", "--jobs", "2"]
+                + ["--out", str(tmp_path / "-".join(arguments[:2]))]
+            )
+    table = json.loads((tmp_path / "compare---gap" / "table.json").read_text())
+    predicted = json.loads((tmp_path / "predict---worlds" / "predict.json").read_text())["variants"]["base"]
+    names = ("method", "tp", "fp", "fn", "timeouts")
+    assert [[cell[name] for name in names] for cell in table["cells"]] == [
+        [cell[name] for name in names] for cell in predicted["cells"]
+    ]
+    assert table["paired"] == predicted["paired"]
+    assert [row["method"] for row in table["paired"]] == ["none"]
+    without = json.loads((tmp_path / "compare---experiments" / "table.json").read_text())
+    assert without["cells"][0]["tp"] > table["cells"][0]["tp"]  # real images are harder
 
 
 @pytest.mark.parametrize(
