@@ -27,8 +27,9 @@ from sim.errors import GraphicsError
 USAGE = 2  # exit code of a wrong argument, or of a machine without OpenGL
 _GL_PACKAGES = "libegl1 libgl1 libosmesa6"  # sim.camera names them too, but cannot be asked where they are missing
 
-_ASIDES = ("For full", "Argument help", "Perhaps you meant")  # of tyro: they fill a screen, not a line
-_PLACE = re.compile(r"^Error parsing \S+: ")  # what tyro puts before the message of a record that refuses a value
+_USAGE = "Argument help"  # what tyro's explanation of an option begins with
+_ASIDES = ("For full", _USAGE, "Perhaps you meant")  # they fill a screen, not a line
+_PLACE = re.compile(r"^Error parsing (?!--)\S+: ")  # tyro's, before the message of a record that refuses a value
 _GROUPS: dict[str, type[Any]] = {"conditions": Conditions, "parties": Parties, "rules": Rules}  # by the field
 _DESCRIPTION = (
     "Closed-loop grasp experiments in simulation that tell which 6D-pose uncertainty can be trusted. "
@@ -177,14 +178,16 @@ def _load_engine() -> None:
 
 def _one_line(told: str, arguments: Sequence[str]) -> str:
     """What tyro says in a box, in one line, with the valid options if there is a choice to make."""
-    inside = [re.sub(r"^[│╭╰]|[│╮╯]$", "", line.strip()).strip() for line in told.splitlines()[1:-1]]
-    blocks = [[]] if not inside else [[inside[0]]]
-    for line in inside[1:]:
-        if set(line) == {"─"}:
+    blocks: list[list[str]] = [[]]
+    for line in told.splitlines()[1:]:  # the first has the title
+        inside = line.strip().strip("│╭╮╰╯").strip()
+        if set(inside) <= {"─", "-"}:  # the latter where the terminal is not UTF-8
             blocks.append([])
         else:
-            blocks[-1].append(line)
+            blocks[-1].append(inside)
     kept = [_PLACE.sub("", " ".join(block)) for block in blocks if block and not block[0].startswith(_ASIDES)]
+    kept = [text.removeprefix("Error parsing ") for text in kept]
+    kept += (f"expected {block[1]}" for block in blocks if block and block[0].startswith(_USAGE))
     message = "; ".join(kept) or "the arguments are not understood"
     command = arguments[0] if arguments else ""
     if "nrecognized" in message and command in COMMANDS:

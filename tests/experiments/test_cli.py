@@ -28,7 +28,8 @@ WRONG = [  # arguments, words that the one line of error must hold
     (["compare", "--methods", "mask"], ["unknown method 'mask'", "none, maskval, ", "package.module:Class"]),
     (["compare", "--methods", "none", "none"], ["--methods names something twice"]),
     (["compare", "--experiments", "0"], ["--experiments of at least 1", "got 0"]),
-    (["compare", "--experiments", "many"], ["--experiments", "many"]),
+    (["compare", "--experiments", "many"], ["error: --experiments: ", "'many'", "expected --experiments INT"]),
+    (["run", "--u-grasp", "x"], ["error: --u-grasp: ", "'x'", "expected --u-grasp {None}|FLOAT"]),
     (["compare", "--parts", "0"], ["--parts in 1..8", "got 0"]),
     (["compare", "--parts", "9"], ["--parts in 1..8", "got 9"]),
     (["compare", "--seed", "-1"], ["--seed of at least 0", "got -1"]),
@@ -86,6 +87,25 @@ def test_a_wrong_argument_ends_with_code_2_and_one_line_that_names_what_is_valid
     assert is_one_line(told)
     assert [word for word in words if word not in told.err] == []
     assert told.out == ""
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "ascii"])
+def test_the_line_is_the_same_on_every_terminal(encoding: str) -> None:
+    for arguments, line in (
+        (["gap", "--seed", "1.5"], "--seed: invalid literal for int() with base 10: '1.5'; expected --seed INT"),
+        (["run", "--friction", "9"], "expected --friction within 0.05 and 3, got 9"),
+        (["run", "--clutter", "x"], "invalid choice 'x' for argument '--clutter'. Expected one of"),
+    ):
+        done = subprocess.run(
+            [sys.executable, "-m", "experiments.cli", *arguments],
+            cwd=ROOT,
+            env=os.environ | {"PYTHONIOENCODING": encoding},
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        assert (done.returncode, done.stderr.count("\n")) == (2, 1)
+        assert done.stderr.startswith(f"graspcell: error: {line}")
 
 
 def test_a_malformed_threshold_file_is_refused_in_one_line(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
