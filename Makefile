@@ -8,7 +8,7 @@ READY := $(VENV)/.ready
 .PHONY: run test check study thresholds picture clean
 
 run: $(READY)
-	$(BIN)/graspcell compare --out $(OUT)
+	$(BIN)/graspcell compare --gap fitted --thresholds paper --experiments 20 --out $(OUT)
 
 test: $(READY)
 	$(BIN)/python -m pytest -m "not study"
