@@ -50,6 +50,12 @@ def at_least(name: str, value: int, least: int) -> None:
         raise UsageError(f"expected {name} of at least {least} and at most {_MOST}, got {value}")
 
 
+def all_at_least(config: object, **least: int) -> None:
+    """Raises UsageError unless each of these options, named by its field, is within what the logs' columns hold."""
+    for name, value in least.items():
+        at_least(f"--{name.replace('_', '-')}", getattr(config, name), value)
+
+
 def one_of(name: str, value: str, valid: tuple[str, ...]) -> None:
     """Raises UsageError unless the option's value is one of the valid ones."""
     if value not in valid:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import tyro
 
-from experiments.checks import at_least, check_cell, check_part_and_method, one_of, worker_count
+from experiments.checks import all_at_least, check_cell, check_part_and_method, one_of, worker_count
 from experiments.errors import UsageError
 from experiments.parties import Parties
 from sim.conditions import Conditions
@@ -66,8 +66,7 @@ class Compare:
         from experiments.thresholds import load_thresholds
 
         check_cell(self.parts, self.seed, self.speed)
-        at_least("--experiments", self.experiments, 1)
-        at_least("--jobs", self.jobs, 0)
+        all_at_least(self, experiments=1, jobs=0)
         methods = named_methods(self.methods)
         for name, chosen in (("--objects", self.objects), ("--methods", methods)):
             if not chosen:
@@ -149,7 +148,7 @@ class Run:
         from experiments.thresholds import load_thresholds
 
         check_cell(self.parts, self.seed, self.speed)
-        at_least("--experiment", self.experiment, 0)
+        all_at_least(self, experiment=0)
         told = () if self.u_grasp is None else (f"{self.method}={self.u_grasp}",)
         thresholds = load_thresholds(self.thresholds).with_told(told, (self.method,))
         check_part_and_method(self.object, self.method, thresholds)
@@ -203,7 +202,7 @@ class Picture:
         from experiments.thresholds import load_thresholds
 
         check_cell(1, self.seed, "ur-default")
-        at_least("--after", self.after, 0)
+        all_at_least(self, after=0)
         one_of("--state", self.state, tuple(state.value for state in State))
         one_of("--camera", self.camera, ("overview", "wrist"))
         width, height = self.size
@@ -260,8 +259,7 @@ class Tolerance:
         from experiments.thresholds import load_thresholds
 
         check_cell(1, self.seed, self.speed)
-        at_least("--trials", self.trials, 1)
-        at_least("--jobs", self.jobs, 0)
+        all_at_least(self, trials=1, jobs=0)
         for mdd_mm in self.mdd_mm:
             if not 0 <= mdd_mm <= 100:
                 raise UsageError(f"expected --mdd-mm in 0..100, got {mdd_mm:g}")

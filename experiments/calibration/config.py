@@ -5,7 +5,7 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-from experiments.checks import at_least, worker_count
+from experiments.checks import all_at_least, worker_count
 from experiments.errors import UsageError
 
 
@@ -53,14 +53,7 @@ class Calibrate:
         from sim.noise import load_noise
         from sim.parts import load_part
 
-        for name, value, least in (
-            ("--images", self.images, 1),
-            ("--seed", self.seed, 0),
-            ("--rounds", self.rounds, 1),
-            ("--draws", self.draws, 0),
-            ("--jobs", self.jobs, 0),
-        ):
-            at_least(name, value, least)
+        all_at_least(self, images=1, seed=0, rounds=1, draws=0, jobs=0)
         try:
             model = load_part(self.part)
             noise = load_noise(self.start or model.noise)

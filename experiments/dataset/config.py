@@ -8,7 +8,7 @@ from pathlib import Path
 
 import tyro
 
-from experiments.checks import at_least, worker_count, writable_folder
+from experiments.checks import all_at_least, worker_count, writable_folder
 from experiments.dataset.rules import ANNOTATED_VISIBILITY, Rules
 from experiments.errors import UsageError
 
@@ -95,13 +95,7 @@ class Dataset:
         from sim.parts import load_part
         from sim.truth import TruthBooth
 
-        for name, value, least in (
-            ("--images", self.images, 1),
-            ("--seed", self.seed, 0),
-            ("--jobs", self.jobs, 0),
-            ("--resamples", self.resamples, 1),
-        ):
-            at_least(name, value, least)
+        all_at_least(self, images=1, seed=0, jobs=0, resamples=1)
         if not 0 <= self.annotated_visibility <= 1:
             raise UsageError(f"expected --annotated-visibility in 0..1, got {self.annotated_visibility:g}")
         methods = self.named_methods

@@ -5,7 +5,7 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-from experiments.checks import at_least, one_of, worker_count
+from experiments.checks import all_at_least, one_of, worker_count
 from experiments.errors import UsageError
 
 
@@ -44,13 +44,7 @@ class FitGap:
         from experiments.paper import ROBOT_TABLE
 
         one_of("--part", self.part, tuple(dict.fromkeys(part for part, _ in ROBOT_TABLE)))
-        for name, value, least in (
-            ("--experiments", self.experiments, 2),
-            ("--draws", self.draws, 1),
-            ("--seed", self.seed, 0),
-            ("--jobs", self.jobs, 0),
-        ):
-            at_least(name, value, least)
+        all_at_least(self, experiments=2, draws=1, seed=0, jobs=0)
 
 
 @dataclass(frozen=True)
@@ -110,10 +104,4 @@ class Predict:
         ):
             if not chosen or len(set(chosen)) < len(chosen):
                 raise UsageError(f"{name}: expected at least one name and each once, got {' '.join(chosen) or 'none'}")
-        for name, value, least in (
-            ("--worlds", self.worlds, 1),
-            ("--experiments", self.experiments, 1),
-            ("--seed", self.seed, 0),
-            ("--jobs", self.jobs, 0),
-        ):
-            at_least(name, value, least)
+        all_at_least(self, worlds=1, experiments=1, seed=0, jobs=0)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from experiments.checks import at_least, worker_count, writable_folder
+from experiments.checks import all_at_least, worker_count, writable_folder
 from experiments.errors import UsageError
 
 IMAGES_PER_SCENE = 1000  # as in BOP's rendered training images; one scene's annotations are held in memory at a time
@@ -59,8 +59,7 @@ class RenderDataset:
         from sim.errors import SimError
         from sim.parts import load_part
 
-        for name, value, least in (("--images", self.images, 1), ("--seed", self.seed, 0), ("--jobs", self.jobs, 0)):
-            at_least(name, value, least)
+        all_at_least(self, images=1, seed=0, jobs=0)
         if not 0 <= self.textured <= 1:
             raise UsageError(f"expected --textured in 0..1, got {self.textured:g}")
         if not re.fullmatch(r"[A-Za-z0-9_-]+", self.split) or self.split == "models":
