@@ -18,8 +18,10 @@ from numpy.typing import NDArray
 
 from cell.records import Count
 from experiments.checks import at_least, check_part_and_method
+from experiments.config import Compare
 from experiments.errors import UsageError
-from experiments.experiment import ExperimentSpec, run_experiment
+from experiments.experiment import run_experiment
+from experiments.parties import Parties
 from experiments.pool import run_all
 from experiments.table import Interval, make_cell
 from experiments.thresholds import load_thresholds
@@ -42,6 +44,8 @@ class Learn:
     """Part to be sequenced: antenna or handle."""
     steps: int = 2048
     """Decisions to learn from."""
+    gap: str = "fitted"
+    """Domain gap that is learned and tested with, as in graspcell compare: none, fitted, or a gap.json."""
     false_positive: float = -1.0
     """Reward of an attempt that ends in a collision, a dropped or a misplaced part; a part in its slot is worth 1."""
     experiments: int = 15
@@ -50,6 +54,22 @@ class Learn:
     """Root of the tests' random numbers; the learning has others."""
     jobs: int = 2
     """Processes."""
+
+
+class Worlds(gymnasium.Wrapper[Any, np.int64]):
+    """Gives each experiment the error model that it has in `graspcell compare --gap`."""
+
+    def __init__(self, env: gymnasium.Env[Any, np.int64], part: str, parties: Parties) -> None:
+        super().__init__(env)
+        self._part, self._parties, self._next = part, parties, 0
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
+        """See `gymnasium.Env`."""
+        first = 0 if seed is not None else self._next
+        experiment = (options or {}).get("experiment", first)
+        self._next = experiment + 1
+        noise = dict(self._parties.noise(self._part, experiment))
+        return self.env.reset(seed=seed, options={"experiment": experiment, "noise": noise})
 
 
 class LeastUncertain(gymnasium.Wrapper[Array, np.int64]):
@@ -85,7 +105,8 @@ class LeastUncertain(gymnasium.Wrapper[Array, np.int64]):
 def make_env(config: Learn) -> LeastUncertain:
     """The environment that is learned in."""
     rewards = Rewards(false_positive=config.false_positive)
-    return LeastUncertain(gymnasium.make("graspcell:GraspCell-v0", part=config.object, rewards=rewards))
+    env = gymnasium.make("graspcell:GraspCell-v0", part=config.object, rewards=rewards)
+    return LeastUncertain(Worlds(env, config.object, Parties(gap=config.gap)))
 
 
 def learned(config: Learn) -> Any:
@@ -132,13 +153,17 @@ def tried_learned(model: Any, config: Learn) -> list[Count]:
     return counts
 
 
-def tried_method(method: str, thresholds_name: str, config: Learn) -> list[Count]:
+def tried_method(method: str, thresholds: str, config: Learn) -> list[Count]:
     """The same experiments with a method of the paper and its policy."""
-    thresholds = load_thresholds(thresholds_name)
-    specs = [
-        ExperimentSpec(config.object, method, "noisy", thresholds, "ur-default", 8, config.seed, experiment)
-        for experiment in range(config.experiments)
-    ]
+    compare = Compare(
+        objects=(config.object,),
+        methods=(method,),
+        experiments=config.experiments,
+        seed=config.seed,
+        thresholds=thresholds,
+        parties=Parties(gap=config.gap),
+    )
+    specs = compare.specs()
     return [_counted(result.count, result.failure) for result in run_all(run_experiment, specs, config.jobs)]
 
 
@@ -171,6 +196,7 @@ def main() -> None:
     config = tyro.cli(Learn, prog="python -m experiments.learn")
     try:
         check_part_and_method(config.object, "maskval", load_thresholds("paper"))
+        Parties(gap=config.gap).noise(config.object, 0)
         for name in ("steps", "experiments", "jobs"):
             at_least(f"--{name}", getattr(config, name), 1)
         Rewards(false_positive=config.false_positive)

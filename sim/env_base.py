@@ -15,6 +15,7 @@ from sim.env_observation import AllMethods, DetectionEncoder, Encoded
 from sim.env_options import EnvOptions
 from sim.errors import EnvOptionError
 from sim.latents import Streams
+from sim.noise import PartNoise, load_noise
 from sim.parts import load_part
 from sim.stage import Stage, set_stage
 from sim.truth import TruthBooth
@@ -31,7 +32,8 @@ class CellEnv(gymnasium.Env[Encoded, Action], Generic[Action]):
     """An episode is one experiment: parts on the belt, each with its slot of time.
 
     `reset(seed=s)` begins experiment 0 of seed s, every `reset()` after it the next one: the same parts in the same
-    poses, seen with the same errors, as `graspcell compare --seed s` has. The world is built at the first reset.
+    poses, seen with the same errors, as `graspcell compare --seed s` has. `reset(options={"noise": …})` changes
+    parameters of the error model for one episode. The world is built at the first reset.
 
     Args:
         render_mode: None, "rgb_array" (the overview camera) or "human" (a window, in real time).
@@ -57,26 +59,32 @@ class CellEnv(gymnasium.Env[Encoded, Action], Generic[Action]):
 
     def _set_stage(self, seed: int | None, options: dict[str, Any] | None) -> Stage:
         """Seeds the episode and begins it."""
-        self._choose_experiment(seed, options or {})
+        noise = self._choose_experiment(seed, options or {})
         here = self._built()
         chosen = self.options
         streams = Streams(self._seed or 0, self._experiment, here.world.part_model.part.name)
         methods = chosen.uncertainty_methods
         method = AllMethods(methods) if len(methods) > 1 else next(iter(methods.values()))
-        stage = set_stage(here, streams, self._booth, chosen.estimator, method)
+        stage = set_stage(here, streams, self._booth, chosen.estimator, method, noise=noise)
         detector = stage.perception.detector
         if chosen.camera_images:
             detector = WithImages(detector, chosen.camera_images)
         return replace(stage, perception=replace(stage.perception, detector=detector, time_limit=TIME_LIMIT))
 
-    def _choose_experiment(self, seed: int | None, options: dict[str, Any]) -> None:
+    def _choose_experiment(self, seed: int | None, options: dict[str, Any]) -> PartNoise:
+        """Chooses it; returns the episode's error model."""
         gymnasium.Env.reset(self, seed=seed)
-        if unknown := set(options) - {"experiment"}:
-            raise EnvOptionError(f"unknown reset options {', '.join(sorted(unknown))}: expected experiment")
+        if unknown := set(options) - {"experiment", "noise"}:
+            raise EnvOptionError(f"unknown reset options {', '.join(sorted(unknown))}: expected experiment, noise")
+        changed = options.get("noise", {})
+        if changed and self.options.estimator != "noisy":
+            raise EnvOptionError(f"expected no noise with the estimator {self.options.estimator}, got {changed}")
+        noise = load_noise(load_part(self.options.part).noise).changed(changed)
         if seed is not None or self._seed is None:
             self._seed = int(self.np_random.integers(2**32)) if seed is None else seed
             self._experiment = -1
         self._experiment = options.get("experiment", self._experiment + 1)
+        return noise
 
     def _built(self) -> Bench:
         if self._bench is None:

@@ -8,7 +8,9 @@ from gymnasium import spaces
 
 from cell.records import Count
 from experiments import learn
-from experiments.learn import HEADER, LeastUncertain, row
+from experiments.config import Compare
+from experiments.learn import HEADER, LeastUncertain, Worlds, row
+from experiments.parties import Parties
 
 N = 3
 
@@ -48,6 +50,26 @@ def test_its_three_actions_search_refine_and_grasp_that_detection():
     assert scripted.told == [0, 1 + 1, 1 + N + 1]
 
 
+def test_every_experiment_has_the_error_model_that_compare_gives_it():
+    told = []
+
+    class Resetting(Scripted):
+        def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> Any:
+            told.append((seed, options))
+            return super().reset()
+
+    env = Worlds(Resetting(), "handle", Parties(gap="fitted"))
+    env.reset(seed=7)
+    env.reset()
+    env.reset(options={"experiment": 5})
+    env.reset()
+    specs = Compare(objects=("handle",), methods=("none",), experiments=7, parties=Parties(gap="fitted")).specs()
+    assert [seed for seed, _ in told] == [7, None, None, None]
+    assert [options["experiment"] for _, options in told] == [0, 1, 5, 6]
+    assert [options["noise"] for _, options in told] == [dict(specs[number].noise) for number in (0, 1, 5, 6)]
+    assert specs[0].noise != specs[1].noise
+
+
 def test_a_row_has_the_pooled_intervals_and_the_parts_per_hour():
     counts = [
         Count(parts=8, tp=8, fp=0, fn=0, void=0, unreachable=0, timeouts=0, duration=80.0),
@@ -67,6 +89,7 @@ def test_a_row_has_the_pooled_intervals_and_the_parts_per_hour():
         (["--steps", "0"], "--steps"),
         (["--experiments", "0"], "--experiments"),
         (["--false-positive", "nan"], "false_positive"),
+        (["--gap", "none.json"], "no gap for handle in none.json"),
     ],
 )
 def test_what_cannot_be_learned_is_said_in_one_line(arguments, words, monkeypatch):

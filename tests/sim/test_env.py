@@ -15,7 +15,7 @@ from maskval import Estimates, MaskVal, Needs, NoUncertainty, Pose
 from policies import Threshold
 from sim.env import SEARCH, GraspCellEnv
 from sim.env_options import EnvOptions, Rewards
-from sim.errors import DivergenceError, EnvOptionError, GraphicsError
+from sim.errors import DivergenceError, EnvOptionError, GraphicsError, NoiseFileError
 from sim.world import World
 
 N = EnvOptions().max_detections
@@ -323,5 +323,23 @@ def test_options_that_cannot_be_are_refused(options: dict[str, Any], words: str)
 def test_rewards_and_reset_options_are_checked(env: GraspCellEnv) -> None:
     with pytest.raises(EnvOptionError, match="expected a finite reward second, got nan"):
         Rewards(second=float("nan"))
-    with pytest.raises(EnvOptionError, match="unknown reset options episode: expected experiment"):
+    with pytest.raises(EnvOptionError, match="unknown reset options episode: expected experiment, noise"):
         env.reset(options={"episode": 3})
+    with pytest.raises(NoiseFileError, match=r"unknown noise parameter 'pose\.lateral'"):
+        env.reset(options={"noise": {"pose.lateral": 3.0}})
+
+
+def test_exact_estimates_take_no_noise(oracle: GraspCellEnv) -> None:
+    with pytest.raises(EnvOptionError, match="expected no noise with the estimator oracle"):
+        oracle.reset(options={"noise": {"pose.lateral_mm": 3.0}})
+
+
+def test_other_noise_holds_for_one_episode(env: GraspCellEnv) -> None:
+    def u_of(**options: Any) -> Any:
+        observation, _ = env.reset(seed=3, options=options)
+        return observation["u_maskval"]
+
+    plain, rough = u_of(), u_of(noise={"pose.lateral_mm": 8.0, "pose.outlier_probability": 0.0})
+    seen = np.flatnonzero(plain)
+    assert (rough[seen] > plain[seen]).mean() > 0.5
+    assert same(u_of(), plain)
