@@ -20,11 +20,13 @@ from cell.interfaces import (
     Station,
 )
 from cell.layout import Layout
+from cell.looking import SecondLook
 from cell.motion import Motion, Unreachable
 from cell.perception import Perception
 from cell.records import AttemptRecord, Count, Failed, Seen, Slot, State, Transition
-from cell.search import REFINE_DISTANCE, SearchRun, refinement_view, search_run
+from cell.search import REFINE_DISTANCE, SearchRun, search_run
 from cell.speed import PRESETS, SpeedPreset
+from cell.tracking import BeltSpeed
 from maskval import Pose
 
 T = TypeVar("T")
@@ -40,6 +42,8 @@ class CycleConfig:
         slot_time: s per part; an attempt that began in time is finished and counts.
         settle_time: s that the arm stands still before a picture.
         refine_distance: m from the estimated part at which it is looked at again.
+        fresh_look: whether a part on a moving belt is looked at again before it is grasped, which also tells the belt's
+            speed.
         time_limit: s of the wall clock that a decision of the policy may take.
         speed: limits of the arm's motions.
     """
@@ -48,6 +52,7 @@ class CycleConfig:
     slot_time: float = 20.0
     settle_time: float = 0.05
     refine_distance: float = REFINE_DISTANCE
+    fresh_look: bool = True
     time_limit: float = TIME_LIMIT
     speed: SpeedPreset = field(default_factory=lambda: PRESETS["ur-default"])
 
@@ -82,10 +87,14 @@ class Cycle:
         self._station, self._referee = station, referee
         self._perception, self._policy = perception, policy
         self._config, self._tell = config, listener
-        self._motion = Motion(station, layout, config.speed)
+        tracked = BeltSpeed(layout.belt.speed) if config.fresh_look and layout.belt.speed else None
+        self._motion = Motion(station, layout, config.speed, tracked)
         self._search = self._reachable_search(layout)
+        center_O = perception.part.mesh.bounds.mean(axis=0)
+        self._second_look = SecondLook(self._motion, center_O, config.refine_distance, config.settle_time)
         self._state = State.SEARCH
         self._slot = self._view = self._decisions = self._container_slot = 0
+        self._vetoed: int | None = None  # the slot in which a fresh look led to no grasp
 
     def _reachable_search(self, layout: Layout) -> SearchRun:
         slots = layout.container.rows * layout.container.columns
@@ -165,24 +174,30 @@ class Cycle:
         """One view of the search run, its second looks and the attempt that may follow; None without one."""
         self._enter(State.SEARCH, f"view {self._view}")
         contact = self._move_camera(self._search.view(self._view))
-        refining = False
+        before: Seen | None = None  # at the same part
         while contact is None:
-            seen = yield from self._look(refining, deadline)
+            seen = yield from self._look(before is not None, deadline)
             action = seen.decision.action
             in_time = self._station.time < deadline
-            if action is Action.GRASP and in_time:
-                return self._attempt(seen)
-            if action is Action.GRASP:
+            if action is Action.GRASP and not in_time:
                 self._view -= 1  # the next part's time begins with this view: there is something to grasp
-            if action is not Action.REFINE or not in_time:
+            if action is Action.SEARCH or not in_time:
+                if before is not None and before.decision.action is Action.GRASP:
+                    self._vetoed = self._slot
                 return None
-            self._enter(State.REFINE, f"detection {seen.decision.detection}")
+            if action is Action.GRASP and not self._wants_fresh_look(before):
+                if before is not None and self._second_look.tells_speed(before, seen):
+                    self._enter(State.DECIDE, f"two looks say that the belt runs at {self._motion.belt_speed:.4f} m/s")
+                return self._attempt(seen)
             try:
-                contact = self._move_camera(self._refinement_view(seen))
+                contact = self._look_again(seen)
             except Unreachable as reason:
+                if action is Action.GRASP:
+                    self._enter(State.DECIDE, f"no fresh look: {reason}")
+                    return self._attempt(seen)
                 self._enter(State.SEARCH, str(reason))
                 return None
-            refining = True
+            before = seen
         return self._referee.verdict(contact)
 
     def _move_camera(self, X_BC: Pose) -> Contact | None:
@@ -211,30 +226,21 @@ class Cycle:
         self._tell(seen)
         return seen
 
-    def _refinement_view(self, seen: Seen) -> Pose:
-        if seen.decision.X_BC is not None:
-            return seen.decision.X_BC
-        X_BO_est, seen_at = seen.observation.X_BO_est(_detection(seen.decision)), seen.observation.frame.time
-        center_O = self._perception.part.mesh.bounds.mean(axis=0)
+    def _wants_fresh_look(self, before: Seen | None) -> bool:
+        """Whether a part is to be looked at again before it is grasped; not twice in vain: its error is the view's."""
+        return before is None and self._motion.belt is not None and self._vetoed != self._slot
 
-        def view_at(time: float) -> Pose:
-            X_BO = self._motion.carried(X_BO_est, seen_at, time + self._config.settle_time)
-            return refinement_view(X_BO, center_O, self._config.refine_distance)
-
-        if not self._motion.belt_moves:
-            return view_at(self._station.time)
-        meeting = self._motion.meeting_time(lambda time: self._motion.joints_for_camera(view_at(time)))
-        if meeting is None:
-            raise Unreachable("the part will be out of the camera's reach")
-        return view_at(meeting)
+    def _look_again(self, seen: Seen) -> Contact | None:
+        """Moves the camera to a second look; raises Unreachable if there is no way."""
+        fresh = "fresh look at " if seen.decision.action is Action.GRASP else ""
+        self._enter(State.REFINE, f"{fresh}detection {seen.detection}")
+        return self._move_camera(self._second_look.view(seen))
 
     def _attempt(self, seen: Seen) -> Outcome:
-        observation, index = seen.observation, _detection(seen.decision)
-        X_BO_est = seen.decision.X_BO_est or observation.X_BO_est(index)
-        start = self._station.time
+        observation, index, start = seen.observation, seen.detection, self._station.time
         self._referee.attempt_begins(self._container_slot)
         reach = Attempt(self._motion, self._perception.part, self._enter).run(
-            X_BO_est, self._container_slot, observation.frame.time
+            seen.X_BO_est, self._container_slot, observation.frame.time
         )
         outcome = Outcome.UNREACHABLE if reach.grasp is None else self._referee.verdict(reach.contact)
         self._tell(
@@ -245,7 +251,7 @@ class Cycle:
                 detection=index,
                 u=observation.u(seen.decision, index),
                 threshold=seen.decision.threshold,
-                X_BO_est=X_BO_est,
+                X_BO_est=seen.X_BO_est,
                 grasp=reach.grasp,
                 container_slot=self._container_slot,
                 start=start,
@@ -262,8 +268,3 @@ class Cycle:
     def _enter(self, state: State, reason: str) -> None:
         self._tell(Transition(self._station.time, self._state, state, reason))
         self._state = state
-
-
-def _detection(decision: Decision) -> int:
-    assert decision.detection is not None  # `check_decision` has seen to it
-    return decision.detection

@@ -108,7 +108,8 @@ class Decision:
         detection: the detection that it is about; None to search on because there was none.
         threshold: the bound that the detection's u met or, to search on, that it missed; None if there was none.
         X_BO_est: to grasp, the pose to act upon; None for the detection's own.
-        X_BC: to refine, the view to take; None for the one straight above the part.
+        X_BC: to refine, the view to take of the part where the frame shows it, from where a moving belt carries it on;
+            None for the one straight above the part.
         u: the uncertainty that was decided upon, in [0, 1]; None for the detection's own.
     """
 

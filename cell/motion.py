@@ -1,7 +1,7 @@
 """Moves the robot of a station: joint moves to tool or camera poses, straight lines, and back where it came from."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +10,7 @@ from cell.interfaces import Contact, Station, Touch
 from cell.layout import Layout
 from cell.riding import RAMP_TIME, Way, at_speed, carried, joining, leaving, ride
 from cell.speed import SpeedPreset
+from cell.tracking import BeltSpeed
 from cell.trajectory import joint_move, line_move, line_poses
 from cell.ur10 import forward, inverse_on_branch
 from maskval import Pose
@@ -29,11 +30,19 @@ class Unreachable(Exception):  # noqa: N818  # an expected end of an attempt, ca
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Motion:
-    """Turns poses of the tool into motions of the station's arm."""
+    """Turns poses of the tool into motions of the station's arm.
+
+    Attributes:
+        station: whose arm.
+        layout: where everything stands.
+        speed: limits of the arm's motions.
+        belt: how fast the belt is, as far as that has been learned; None for the layout's speed.
+    """
 
     station: Station
     layout: Layout
     speed: SpeedPreset
+    belt: BeltSpeed | None = None
 
     def joints_for(self, X_BT: Pose) -> Array:
         """Joint angles that bring the tool there, near to the present ones.
@@ -94,7 +103,7 @@ class Motion:
     def carried(self, X_BA: Pose, since: float, until: float | None = None) -> Pose:
         """Where something on the belt is at a time (s; now without one), given where it was at another."""
         until = self.station.time if until is None else until
-        return carried(X_BA, self._v_B, until - since)
+        return carried(X_BA, self.v_B, until - since)
 
     def meeting_time(self, q_at: Callable[[float], Array]) -> float | None:
         """The earliest time, s, at which the arm can have the joint angles that are wanted then; None if it never can.
@@ -133,15 +142,21 @@ class Motion:
         return np.repeat(forward(self.station.q).matrix[np.newaxis], round(duration / self.station.time_step), axis=0)
 
     def _ride(self, X_BF: Array, way: Way, watch: frozenset[Touch]) -> Contact | None:
-        trajectory = ride(X_BF, self.station.q, self._v_B, way, self.station.time_step)
+        trajectory = ride(X_BF, self.station.q, self.v_B, way, self.station.time_step)
         if trajectory is None:
             raise Unreachable(f"the arm cannot ride on the belt from {X_BF[0, :3, 3].round(3)} m in the base")
         return self.station.follow(trajectory, watch)
 
     @property
-    def _v_B(self) -> Array:
-        v_B: Array = self.layout.X_WB.rotation.T @ self.layout.belt.v_W
+    def v_B(self) -> Array:
+        """The belt's velocity as it is believed now, (3,) m/s."""
+        v_B: Array = self.layout.X_WB.rotation.T @ replace(self.layout.belt, speed=self.belt_speed).v_W
         return v_B
+
+    @property
+    def belt_speed(self) -> float:
+        """The belt's speed as it is believed now, m/s."""
+        return self.layout.belt.speed if self.belt is None else self.belt.speed
 
     @property
     def X_BT(self) -> Pose:

@@ -44,6 +44,17 @@ class Seen:
     observation: Observation
     decision: Decision
 
+    @property
+    def detection(self) -> int:
+        """The detection that the decision is about; there is one unless it is to search on."""
+        assert self.decision.detection is not None  # `check_decision` has seen to it
+        return self.decision.detection
+
+    @property
+    def X_BO_est(self) -> Pose:
+        """The pose to act upon: the policy's own, or the detection's."""
+        return self.decision.X_BO_est or self.observation.X_BO_est(self.detection)
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Failed:

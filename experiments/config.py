@@ -48,6 +48,8 @@ class Compare:
     """Grasping thresholds of your own for all objects, METHOD=U; they go before those of --thresholds."""
     speed: str = "ur-default"
     """How fast the arm moves: ur-default, moderate, fast."""
+    fresh_look: bool = True
+    """On a moving belt, look at a part again before it is grasped."""
     conditions: Disturbances = field(default_factory=Conditions)
     """What disturbs the cell."""
     jobs: int = 0
@@ -90,6 +92,7 @@ class Compare:
                 seed=self.seed,
                 experiment=experiment,
                 conditions=self.conditions,
+                fresh_look=self.fresh_look,
                 policy=self.parties.policy,
                 recorded=self.parties.recorded,
                 time_limit=self.parties.time_limit,
@@ -133,6 +136,8 @@ class Run:
     """Grasping threshold of your own; goes before that of --thresholds."""
     speed: str = "ur-default"
     """How fast the arm moves: ur-default, moderate, fast."""
+    fresh_look: bool = True
+    """On a moving belt, look at a part again before it is grasped."""
     conditions: Disturbances = field(default_factory=Conditions)
     """What disturbs the cell."""
     out: Path | None = None
@@ -163,6 +168,7 @@ class Run:
             seed=self.seed,
             experiment=self.experiment,
             conditions=self.conditions,
+            fresh_look=self.fresh_look,
             policy=self.parties.policy,
             recorded=self.parties.recorded,
             time_limit=self.parties.time_limit,

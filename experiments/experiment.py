@@ -51,6 +51,7 @@ class ExperimentSpec:
         time_limit: s of the wall clock that an estimator, the method or the policy has per call.
         noise: other values of parameters of the part's error model, by "section.key".
         refine_distance: m from the estimated part at which it is looked at again.
+        fresh_look: whether a part on a moving belt is looked at again before it is grasped.
     """
 
     part: str
@@ -68,6 +69,7 @@ class ExperimentSpec:
     time_limit: float = TIME_LIMIT
     noise: tuple[tuple[str, float], ...] = ()
     refine_distance: float = REFINE_DISTANCE
+    fresh_look: bool = True
 
     @property
     def cell(self) -> tuple[str, int, Conditions, bool]:
@@ -143,6 +145,7 @@ def make_cycle(
         config=CycleConfig(
             parts=spec.parts,
             refine_distance=spec.refine_distance,
+            fresh_look=spec.fresh_look,
             speed=PRESETS[spec.speed],
             time_limit=spec.time_limit,
         ),

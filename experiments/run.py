@@ -60,9 +60,14 @@ def lines(record: object, booth: TruthBooth, vertices_O: NDArray[np.float64]) ->
         case Slot():
             outcome = "time-out" if record.outcome is None else record.outcome
             return [f"{record.end:7.2f} s  part {record.index + 1}: {outcome} after {record.end - record.start:.1f} s"]
-        case Transition() if record.target in _TOLD:
+        case Transition() if record.target in _TOLD or _is_second_thought(record):
             return [f"{record.time:7.2f} s  {record.target}: {record.reason}"]
     return []
+
+
+def _is_second_thought(change: Transition) -> bool:
+    """Whether it is about a decision that was told already: what a second look taught, or why there is none."""
+    return change.target is State.DECIDE and change.source is not State.LOOK
 
 
 def _seen_lines(seen: Seen, booth: TruthBooth, vertices_O: NDArray[np.float64]) -> list[str]:

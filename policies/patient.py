@@ -23,8 +23,8 @@ class Patient:
 
     def decide(self, observation: Observation) -> Decision:
         """See `cell.interfaces.Policy`."""
-        if not observation.refining:
-            self._looks = 0
+        # A second look that was not asked for, a fresh one before a grasp, was the one from above.
+        self._looks = max(self._looks, 1) if observation.refining else 0
         decision = self._rule.decide(replace(observation, refining=False))
         if decision.action is not Action.REFINE or decision.detection is None:
             return decision

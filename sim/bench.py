@@ -1,6 +1,6 @@
 """A cell ready for experiments, built once per process, and how the parts lie when an experiment begins."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -52,13 +52,15 @@ bench = lru_cache(maxsize=4)(build_bench)  # kept, since compiling and opening a
 
 def belt_under(conditions: Conditions, parts: int) -> Belt:
     """The belt as it is; if it moves, with room upstream for all the parts that come along."""
-    speed = conditions.belt_speed
-    return Belt(speed=speed, upstream=feeding_length(speed, conditions.takt_s, parts)) if speed else Belt()
+    belt = Belt(speed=conditions.belt_speed)
+    if not belt.speed:
+        return belt
+    return replace(belt, upstream=feeding_length(conditions.belt_true(belt).speed, conditions.takt_s, parts))
 
 
 def starting_poses(world: World, streams: Streams) -> list[Pose]:
     """X_WO of the parts, then of the distractors: whatever the method, the same for conditions, streams and kind."""
-    belt, rng = world.layout.belt, streams.generator(part=0, purpose="placement")
+    belt, rng = world.belt_true, streams.generator(part=0, purpose="placement")
     if belt.speed:
         return feed_parts(world.part_model, world.parts, belt, rng, world.conditions.takt_s)
     model, clutter = world.part_model, world.conditions.clutter

@@ -6,6 +6,7 @@ from typing import Literal, get_args
 
 import numpy as np
 
+from cell.layout import Belt
 from maskval import Camera, Pose
 from sim.errors import ConditionsError
 
@@ -26,6 +27,7 @@ RANGES = {
     "mass": (0.1, 10.0),
     "latency_s": (0.0, 10.0),
     "belt_speed": (0.0, 0.15),
+    "belt_speed_error_percent": (-20.0, 20.0),
     "takt_s": (5.0, 60.0),
 }
 
@@ -58,6 +60,8 @@ class Conditions:
     """Seconds more between a picture and what is known of it, 0 to 10."""
     belt_speed: float = 0.0
     """Speed of the belt in m/s, 0 to 0.15; where it moves, the parts come along it one after the other."""
+    belt_speed_error_percent: float = 0.0
+    """By how much the true belt's speed exceeds the one that the controller believes in, -20 to 20."""
     takt_s: float = 15.0
     """Mean time between parts that come along a moving belt, s, 5 to 60."""
 
@@ -85,6 +89,10 @@ class Conditions:
         """The camera that takes the pictures, given the one that the controller believes in."""
         scale, (du, dv) = 1.0 + self.focal_error_percent / 100.0, self.principal_point_error_px
         return replace(camera, fx=camera.fx * scale, fy=camera.fy * scale, cx=camera.cx + du, cy=camera.cy + dv)
+
+    def belt_true(self, belt: Belt) -> Belt:
+        """The belt as it runs, given the one that the controller believes in."""
+        return replace(belt, speed=belt.speed * (1.0 + self.belt_speed_error_percent / 100.0))
 
 
 UNDISTURBED = Conditions()

@@ -46,7 +46,7 @@ class World:
         use_meshes: bool = False,
     ) -> None:
         self.layout, self.part_model, self.parts, self.conditions = layout, model, parts, conditions
-        self.camera_true = conditions.camera_true(layout.camera)
+        self.camera_true, self.belt_true = conditions.camera_true(layout.camera), conditions.belt_true(layout.belt)
         self.model = build_scene(layout, [model] * parts, model.part.slot_size, conditions, use_meshes=use_meshes)
         self.data = mujoco.MjData(self.model)
         compiled = self.model
@@ -95,8 +95,8 @@ class World:
         mujoco.mj_step(self.model, self.data, round(SETTLE_TIME / self.model.opt.timestep))
         self.check()
         self.data.time = 0.0
-        if self.layout.belt.speed:
-            self.move_belt(-self.layout.belt.speed)
+        if self.belt_true.speed:
+            self.move_belt(-self.belt_true.speed)
 
     @property
     def time(self) -> float:

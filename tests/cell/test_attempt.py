@@ -235,7 +235,7 @@ class NoLine(Motion):
 )
 def test_a_line_that_the_arm_cannot_follow_ends_the_attempt_with_the_arm_out_of_the_way(state, p_WT):
     station = FakeStation(LAYOUT, move_time=MOVE_TIME)
-    tried = attempt(station, motion=NoLine(station, LAYOUT, PRESETS["ur-default"], state))
+    tried = attempt(station, motion=NoLine(station, LAYOUT, PRESETS["ur-default"], state=state))
     assert tried.reach == Reach("from above", state, None)
     np.testing.assert_allclose(tried.p_WT, p_WT, atol=1e-9)
 

@@ -4,17 +4,14 @@ import numpy as np
 import pytest
 
 from cell.attempt import Attempt, Reach
-from cell.cycle import CycleConfig
 from cell.grasping import APPROACH_LENGTH, LIFT_HEIGHT
-from cell.interfaces import Action, Contact, Decision, Observation, Touch
+from cell.interfaces import Contact, Touch
 from cell.motion import Motion
 from cell.records import State
 from cell.riding import RAMP_TIME
-from cell.search import REFINE_DISTANCE, search_run
+from cell.search import search_run
 from cell.speed import PRESETS
-from cell.ur10 import forward
-from maskval import Pose
-from tests.fakes import SETTLE_TIME, FakeStation, brick, on_belt, run_cycle, small_layout, turned
+from tests.fakes import FakeStation, brick, on_belt, small_layout, turned
 
 SPEED, SEEN_AT = 0.1, 2.0
 PART, LAYOUT = brick(), small_layout(SPEED)
@@ -95,26 +92,3 @@ def test_parts_are_waited_for_at_the_upstream_view() -> None:
     run, still = search_run(LAYOUT), search_run(small_layout())
     assert len(run.views) == 1 < len(still.views)
     assert np.array_equal(run.views[0].matrix, still.views[0].matrix)
-
-
-class RefineOnce:
-    def decide(self, observation: Observation) -> Decision:
-        return Decision(Action.SEARCH) if observation.refining else Decision(Action.REFINE, 0)
-
-
-def test_the_second_look_is_where_the_belt_has_carried_the_part() -> None:
-    seen_first = on_belt(PART, LAYOUT, turned(), y_W=0.4)
-    experiment = run_cycle(
-        RefineOnce(),
-        belt_speed=SPEED,
-        X_BO=[seen_first],
-        config=CycleConfig(parts=1, settle_time=SETTLE_TIME, slot_time=4.0),
-    )
-    first, second = (seen.observation.frame for seen in experiment.seen[:2])
-    p_WC = LAYOUT.X_WB.apply(second.X_BC.translation)
-    # The fake arm takes 1 s for any way, the real one what it plans with: the part is met at the planned time.
-    y = 0.4 - SPEED * (second.time - first.time)
-    assert p_WC[:2] == pytest.approx([0.68, y], abs=0.06)
-    assert p_WC[2] == pytest.approx(LAYOUT.belt.top_z + 0.020 + REFINE_DISTANCE)
-    assert forward(experiment.station.q).translation[2] > 0
-    assert isinstance(seen_first, Pose)

@@ -38,6 +38,8 @@ def test_a_part_that_comes_along_the_belt_is_placed(part: str, speed: float) -> 
     times = {row["target"]: row["time_s"] for row in over.tables["transitions"]}
     assert speed * (times["lift"] - over.tables["frames"][0]["time_s"]) > 0.1  # m that the belt ran before the lift
     assert attempt["outcome"] == "placed"
+    refining = {row["frame"]: row["refining"] for row in over.tables["frames"]}
+    assert refining[attempt["frame"]]  # it was looked at afresh before it was grasped
 
 
 def test_a_part_that_is_never_grasped_leaves_the_belt_and_counts_as_left() -> None:

@@ -38,6 +38,13 @@ def test_patient_never_takes_the_same_view_twice_and_begins_from_above():
     assert views[0] == tuple(above.translation.round(6))
 
 
+def test_patient_takes_a_fresh_look_that_it_did_not_ask_for_as_the_one_from_above():
+    patient, asking = Patient(policy_setup()), Patient(policy_setup())
+    assert patient.decide(seen(0.1)).action is Action.GRASP  # on a moving belt a look from above comes first
+    _, second = asking.decide(seen(0.4)), asking.decide(seen(0.4, refining=True))
+    assert (patient.decide(seen(0.4, refining=True)).X_BC.matrix == second.X_BC.matrix).all()
+
+
 def test_patient_begins_anew_with_the_next_view_of_the_search():
     patient = Patient(policy_setup())
     first, _, again = (patient.decide(seen(0.4, refining)) for refining in (False, True, False))

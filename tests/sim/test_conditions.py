@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 from cell.interfaces import Frame
-from cell.layout import Layout
+from cell.layout import Belt, Layout
 from maskval import Camera as Pinhole
 from maskval import Pose, silhouette
+from sim.bench import belt_under, starting_poses
 from sim.camera import Camera
 from sim.conditions import RANGES, UNDISTURBED, Conditions
 from sim.errors import ConditionsError
@@ -190,6 +191,41 @@ def test_a_picture_arrives_by_the_latency_later_than_it_was_taken(antenna: PartM
         frame = station.take_frame(frozenset())
     assert frame.time == 0.0
     assert station.time == pytest.approx(0.7)
+
+
+def moving(antenna: PartModel, parts: int = 1, **knobs: float) -> World:
+    """A world whose belt moves, before its reset."""
+    conditions = Conditions(belt_speed=0.1, **knobs)
+    return World(Layout(belt=belt_under(conditions, parts)), antenna, parts, conditions)
+
+
+@pytest.mark.parametrize("error", [0.0, 20.0, -10.0])
+def test_the_belt_runs_by_its_error_faster_than_the_controller_believes(antenna: PartModel, error: float) -> None:
+    world, duration = moving(antenna, belt_speed_error_percent=error), 2.0
+    world.reset([on_belt(antenna, X, 0.40, standing(antenna))])
+    for _ in range(round(duration / world.time_step)):
+        world.step()
+    speed = 0.1 * (1 + error / 100)
+    slip = speed**2 / (2 * 0.7 * GRAVITY)  # until it is up to speed, on friction 0.7
+    way = 0.40 - world.X_WO(0).translation[1]
+    assert speed * duration - 1.5 * slip < way <= speed * duration + 1e-3
+    assert world.layout.belt.speed == 0.1  # what the controller is told
+
+
+def test_parts_come_in_takt_whatever_the_controller_believes_of_the_belt(antenna: PartModel) -> None:
+    exact, faster = moving(antenna, 4), moving(antenna, 4, belt_speed_error_percent=20.0)
+    believed, true = (
+        np.diff([pose.translation[1] for pose in starting_poses(world, Streams(0, 0, "antenna"))])
+        for world in (exact, faster)
+    )
+    # Between the fronts it is 1.2 times as far; between the origins too, but for how the parts lie.
+    assert true.sum() / believed.sum() == pytest.approx(1.2, abs=0.03)
+    # Room for the same number of takts, each at most 15 s · 1.15.
+    assert belt_under(faster.conditions, 4).upstream == pytest.approx(4 * 0.12 * 15 * 1.15)
+
+
+def test_a_belt_at_rest_has_no_speed_to_be_wrong_about() -> None:
+    assert Conditions(belt_speed_error_percent=20.0).belt_true(Belt()) == Belt()
 
 
 @pytest.mark.parametrize("name", RANGES)
