@@ -94,7 +94,7 @@ class Cycle:
         self._second_look = SecondLook(self._motion, center_O, config.refine_distance, config.settle_time)
         self._state = State.SEARCH
         self._slot = self._view = self._decisions = self._container_slot = 0
-        self._vetoed: int | None = None  # the slot in which a fresh look led to no grasp
+        self._in_vain: int | None = None  # the slot in which a second look led to no grasp
 
     def _reachable_search(self, layout: Layout) -> SearchRun:
         slots = layout.container.rows * layout.container.columns
@@ -182,8 +182,8 @@ class Cycle:
             if action is Action.GRASP and not in_time:
                 self._view -= 1  # the next part's time begins with this view: there is something to grasp
             if action is Action.SEARCH or not in_time:
-                if before is not None and before.decision.action is Action.GRASP:
-                    self._vetoed = self._slot
+                if before is not None:
+                    self._in_vain = self._slot
                 return None
             if action is Action.GRASP and not self._wants_fresh_look(before):
                 if before is not None and self._second_look.tells_speed(before, seen):
@@ -227,8 +227,8 @@ class Cycle:
         return seen
 
     def _wants_fresh_look(self, before: Seen | None) -> bool:
-        """Whether a part is to be looked at again before it is grasped; not twice in vain: its error is the view's."""
-        return before is None and self._motion.belt is not None and self._vetoed != self._slot
+        """Whether a part is to be looked at again before it is grasped; not twice in vain: the error is the view's."""
+        return before is None and self._motion.belt is not None and self._in_vain != self._slot
 
     def _look_again(self, seen: Seen) -> Contact | None:
         """Moves the camera to a second look; raises Unreachable if there is no way."""

@@ -78,8 +78,9 @@ def test_a_part_that_looks_uncertain_on_the_fresh_look_is_not_grasped() -> None:
     assert experiment.count.timeouts == 1
 
 
-def test_after_a_fresh_look_in_vain_the_part_is_grasped_as_seen_from_the_search_view() -> None:
-    tries = {"u": [0.1, 0.3, 0.1, 0.1, 0.1], "tries": [Try(Outcome.DROPPED), Try()]}
+@pytest.mark.parametrize("u_first", [0.1, 0.5])
+def test_after_a_second_look_in_vain_the_part_is_grasped_as_seen_from_the_search_view(u_first: float) -> None:
+    tries = {"u": [u_first, 0.3, 0.1, 0.1, 0.1], "tries": [Try(Outcome.DROPPED), Try()]}
     parts = CycleConfig(parts=2, settle_time=SETTLE_TIME)
     experiment = run_cycle(CAREFUL, belt_speed=SPEED, X_BO=[FIRST, THEN], config=parts, **tries)
     assert [seen.observation.refining for seen in experiment.seen] == [False, True, False, False, True]
