@@ -42,6 +42,15 @@ def test_a_part_that_comes_along_the_belt_is_placed(part: str, speed: float) -> 
     assert refining[attempt["frame"]]  # it was looked at afresh before it was grasped
 
 
+def test_two_looks_tell_that_the_belt_is_faster_than_believed() -> None:
+    over = result(belt_speed=0.1, belt_speed_error_percent=10.0)
+    assert over.count is not None
+    assert (over.count.tp, over.count.fp) == (1, 0)
+    (told,) = [row["reason"] for row in over.tables["transitions"] if "the belt runs at" in row["reason"]]
+    # Poses count as wrong by 5 mm, so that one pair of exact looks brings the belief only part of the way to 0.11 m/s.
+    assert 0.102 < float(told.split()[-2]) < 0.11
+
+
 def test_a_part_that_is_never_grasped_leaves_the_belt_and_counts_as_left() -> None:
     over = result(hand_eye_error_mm=(0.0, 100.0, 0.0), belt_speed=0.15)
     assert over.count is not None
