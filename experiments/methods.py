@@ -3,25 +3,13 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
+import maskval
 from cell.interfaces import Policy
 from cell.part import Part
 from experiments.errors import UsageError
 from experiments.plugins import chosen, make_object
 from experiments.thresholds import Thresholds
-from maskval import (
-    Combined,
-    ContourDistance,
-    DepthConsistency,
-    DetectorScore,
-    Ensemble,
-    InvalidEstimatesError,
-    MaskVal,
-    NoUncertainty,
-    RandomUncertainty,
-    TemporalConsistency,
-    UncertaintyMethod,
-    needs_of,
-)
+from maskval import Ensemble, InvalidEstimatesError, RandomUncertainty, UncertaintyMethod, needs_of
 from policies import Always, Threshold
 from sim.latents import Streams
 from sim.oracles import OracleMask, OracleMdd
@@ -64,24 +52,18 @@ def _random(context: Context) -> UncertaintyMethod:
     return RandomUncertainty(int(context.streams.generator(0, "random u").integers(2**63)))
 
 
+def _regardless(make: Callable[[], UncertaintyMethod]) -> Callable[[Context], UncertaintyMethod]:
+    return lambda _: make()
+
+
+# Of the library's, Ensemble-ADD alone is made from the experiment: its scale begins where the thresholds say.
 METHODS: dict[str, Callable[[Context], UncertaintyMethod]] = {
-    "none": lambda _: NoUncertainty(),
-    "maskval": lambda _: MaskVal(),
-    "maskval-no-visibility": lambda _: MaskVal(alpha=0.0),
+    **{name: _regardless(make) for name, make in maskval.METHODS.items()},
     "ensemble-add": _ensemble_add,
-    "ensemble-mdd": lambda _: Ensemble("mdd"),
-    "ensemble-translation": lambda _: Ensemble("translation"),
-    "ensemble-rotation": lambda _: Ensemble("rotation"),
-    "maskval-ensemble": lambda _: Combined((MaskVal(), Ensemble("add"))),
-    "contour": lambda _: ContourDistance(),
-    "depth": lambda _: DepthConsistency(),
-    "score": lambda _: DetectorScore(),
-    "temporal": lambda _: TemporalConsistency(),
     "random": _random,
     "oracle-mask": lambda context: OracleMask(context.booth),
     "oracle-mdd": lambda context: OracleMdd(context.booth),
 }
-
 
 NEEDS_NO_THRESHOLD = ("none",)
 

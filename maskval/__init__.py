@@ -25,6 +25,7 @@ from maskval.intervals import bootstrap_mean_interval, mean_interval, proportion
 from maskval.mask_agreement import MaskVal, Uncertainties, maskval_uncertainty, uncertainty
 from maskval.masks import PackedMasks, mask_from_rle, mask_iou, rle_counts
 from maskval.mesh import Mesh
+from maskval.methods import METHODS
 from maskval.metrics import RecallCurve, rates, recall_curve
 from maskval.outline_agreement import ContourDistance, chamfer_distance
 from maskval.pose_error import add, add_s, mdd, mspd, mssd, rotation_error, translation_error
@@ -37,6 +38,7 @@ from maskval.view_agreement import TemporalConsistency
 from maskval.visible_surface import vsd
 
 __all__ = [
+    "METHODS",
     "NO_PART",
     "UNMATCHED",
     "Camera",

@@ -126,7 +126,7 @@ class GraspCellEnv(CellEnv[np.int64]):
     def _encoded(self) -> Encoded:
         found, left = self._encoder.empty(), 0.0
         if self._seen is not None and self._perception is not None:
-            found = self._encoder.encode(self._seen, self._perception)
+            found = self._encoder.encode(self._seen, self._perception, self._methods)
             left = float(np.clip(self._seen.time_left, 0.0, self.options.slot_time))
         return found | {
             "time_left": np.array([left], np.float32),

@@ -8,7 +8,7 @@ import numpy as np
 
 from cell.interfaces import Detection, Frame, Image, MaskEstimator, Observation, Outcome
 from cell.layout import Layout
-from maskval import mdd
+from maskval import UncertaintyMethod, mdd
 from sim.bench import Bench, build_bench
 from sim.camera import Camera
 from sim.env_observation import AllMethods, DetectionEncoder, Encoded
@@ -56,6 +56,7 @@ class CellEnv(gymnasium.Env[Encoded, Action], Generic[Action]):
         self._overview: Camera | None = None
         self._window: Window | None = None
         self._booth = TruthBooth()
+        self._methods: dict[str, UncertaintyMethod] = {}  # of the episode
 
     def _set_stage(self, seed: int | None, options: dict[str, Any] | None) -> Stage:
         """Seeds the episode and begins it."""
@@ -63,7 +64,7 @@ class CellEnv(gymnasium.Env[Encoded, Action], Generic[Action]):
         here = self._built()
         chosen = self.options
         streams = Streams(self._seed or 0, self._experiment, here.world.part_model.part.name)
-        methods = chosen.uncertainty_methods
+        self._methods = methods = chosen.make_methods()
         method = AllMethods(methods) if len(methods) > 1 else next(iter(methods.values()))
         stage = set_stage(here, streams, self._booth, chosen.estimator, method, noise=noise)
         detector = stage.perception.detector

@@ -13,7 +13,7 @@ from cell.ur10 import JOINT_LIMIT
 from sim.env_base import CellEnv, Info, Step, event
 from sim.env_hand import Hand
 from sim.env_observation import WORKSPACE, Encoded, box
-from sim.errors import DivergenceError, EnvOptionError
+from sim.errors import DivergenceError
 from sim.stage import Stage
 
 MAX_FORCE = 500.0  # N, where the observed force ends
@@ -48,8 +48,6 @@ class GraspCellMotionEnv(CellEnv[NDArray[np.float32]]):
     def __init__(self, render_mode: str | None = None, render_size: tuple[int, int] = (480, 640), **options: Any):
         super().__init__(render_mode, render_size, **({"n_parts": 1} | options))
         chosen = self.options
-        if chosen.conditions.latency_s:
-            raise EnvOptionError("expected conditions without latency_s: here the arm moves while pictures are read")
         self.action_space = spaces.Box(-1.0, 1.0, (7,), np.float32)
         self._own_spaces = {
             "joints": box(6, -JOINT_LIMIT, JOINT_LIMIT),
@@ -58,7 +56,7 @@ class GraspCellMotionEnv(CellEnv[NDArray[np.float32]]):
             "jaws": box(1, 0.0, MAX_HALF_OPENING),
             "force": box(1, 0.0, MAX_FORCE),
             "slot_position": box(3, -WORKSPACE, WORKSPACE),
-            "age": box(1, 0.0, chosen.slot_time * chosen.n_parts + 1.0),
+            "age": box(1, 0.0, chosen.slot_time * chosen.n_parts + chosen.conditions.latency_s + 1.0),
             "time_left": box(1, 0.0, chosen.slot_time),
             "parts_left": box(1, 0.0, chosen.n_parts),
         }
@@ -71,7 +69,7 @@ class GraspCellMotionEnv(CellEnv[NDArray[np.float32]]):
         hand = Hand(stage.station, self._built().world.layout)
         stage.referee.attempt_begins(0)
         seen = stage.perception.observe(stage.perception.take_frame(stage.station), False, self.options.slot_time)
-        encoded = self._encoder.encode(seen, stage.perception)
+        encoded = self._encoder.encode(seen, stage.perception, self._methods)
         self._episode = episode = _Episode(stage, hand, seen, encoded, seen, stage.station.time)
         return self._encoded(episode), self._info(episode, [])
 
@@ -124,15 +122,16 @@ class GraspCellMotionEnv(CellEnv[NDArray[np.float32]]):
         return ends
 
     def _look(self, episode: _Episode) -> None:
-        """The networks work without a pause: when they are done with a picture, it is shown and the next one taken."""
+        """When the networks are done with a picture, it is shown and the next one taken; the arm moves on."""
         station, perception = episode.stage.station, episode.stage.perception
         if station.time < episode.due:
             return
         if episode.coming is not episode.shown and episode.coming.detections:
-            episode.shown, episode.encoded = episode.coming, self._encoder.encode(episode.coming, perception)
-        frame = station.take_frame(perception.images)
+            episode.encoded = self._encoder.encode(episode.coming, perception, self._methods)
+            episode.shown = episode.coming
+        frame = station.expose(perception.images)
         episode.coming = perception.observe(frame, False, self._time_left(episode))
-        episode.due = frame.time + perception.inference_time
+        episode.due = frame.time + station.latency + perception.inference_time
 
     def _time_left(self, episode: _Episode) -> float:
         left = episode.slot_began + self.options.slot_time - episode.stage.station.time

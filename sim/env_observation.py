@@ -1,6 +1,6 @@
 """What a learner sees of the detections: arrays of a fixed size, padded with zeros, without any truth."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -30,7 +30,7 @@ class DetectionEncoder:
 
     def __init__(self, options: EnvOptions, camera: Camera) -> None:
         self._count, self._images, self._camera = options.max_detections, options.images, camera
-        self._methods = options.uncertainty_methods
+        self._methods = tuple(options.methods)
 
     @property
     def spaces(self) -> dict[str, spaces.Space[Any]]:
@@ -60,14 +60,22 @@ class DetectionEncoder:
         """Without any detection."""
         return {name: np.zeros(space.shape or (), space.dtype) for name, space in self.spaces.items()}
 
-    def encode(self, observation: Observation, perception: Perception) -> Encoded:
-        """The entries of an observation."""
+    def encode(
+        self, observation: Observation, perception: Perception, methods: Mapping[str, UncertaintyMethod]
+    ) -> Encoded:
+        """The entries of an observation.
+
+        Args:
+            observation: what was concluded from a picture.
+            perception: what concluded it, with the first of the methods.
+            methods: the episode's, by name.
+        """
         values = self.empty()
         poses = observation.poses[0][: self._count]
         masks = [detection.mask for detection in observation.detections[: self._count]]
         n = len(poses)
         values["valid"][:n] = 1
-        for name, u in self._uncertainties(observation, perception).items():
+        for name, u in _uncertainties(observation, perception, methods).items():
             values[f"u_{name}"][:n] = u[:n]
         X_BO_est = [observation.X_BO_est(index) for index in range(n)]
         rows: dict[str, Callable[[int], float | Array]] = {
@@ -83,15 +91,6 @@ class DetectionEncoder:
             for index in range(n):
                 table[index] = row(index)
         return values | self._pictures(observation, masks)
-
-    def _uncertainties(self, observation: Observation, perception: Perception) -> dict[str, Array]:
-        """The u of all detections by method; the first method has been asked by the perception."""
-        first, *others = self._methods
-        found = {first: observation.uncertainties}
-        if others:
-            seen = observation.frame, observation.detections, observation.poses
-            found |= {name: replace(perception, method=self._methods[name]).uncertainties(*seen) for name in others}
-        return found
 
     def _visibility(self, perception: Perception, X_CO_est: Pose) -> float:
         """The share of the estimated part's silhouette that lies in the image; what hides it is not known."""
@@ -109,6 +108,16 @@ class DetectionEncoder:
                 numbers[masks[index]] = index + 1
             found["masks"] = numbers
         return found
+
+
+def _uncertainties(
+    observation: Observation, perception: Perception, methods: Mapping[str, UncertaintyMethod]
+) -> dict[str, Array]:
+    """The u of all detections by method; the first method has been asked by the perception."""
+    first, *others = methods
+    seen = observation.frame, observation.detections, observation.poses
+    asked = {name: replace(perception, method=methods[name]).uncertainties(*seen) for name in others}
+    return {first: observation.uncertainties} | asked
 
 
 class AllMethods:

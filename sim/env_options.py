@@ -7,17 +7,11 @@ from typing import get_args
 
 from cell.interfaces import Image, Outcome
 from cell.speed import PRESETS
-from maskval import Ensemble, MaskVal, NoUncertainty, UncertaintyMethod
+from maskval import METHODS, UncertaintyMethod
 from sim.conditions import Conditions
 from sim.errors import EnvOptionError
 from sim.estimators import Kind
 
-# Those that need no calibration on a test set; Ensemble-ADD's scale then begins at 0 m.
-METHODS: dict[str, UncertaintyMethod] = {
-    "none": NoUncertainty(),
-    "maskval": MaskVal(),
-    "ensemble-add": Ensemble("add"),
-}
 IMAGES = ("rgb", "depth", "masks")
 
 
@@ -60,7 +54,7 @@ class EnvOptions:
         part: name or TOML file of the part.
         n_parts: how many lie on the belt, 1 to 8; each has one slot of time.
         slot_time: s per part.
-        methods: names out of `METHODS`, or uncertainty methods by a name of one's own.
+        methods: names out of `maskval.METHODS`, or uncertainty methods by a name of one's own.
         estimator: "noisy" or "oracle".
         speed: name of the speed preset.
         conditions: what disturbs the cell.
@@ -97,12 +91,11 @@ class EnvOptions:
         _chosen("estimator", (self.estimator,), get_args(Kind))
         _chosen("speed", (self.speed,), tuple(PRESETS))
 
-    @property
-    def uncertainty_methods(self) -> dict[str, UncertaintyMethod]:
-        """The methods by name; the first one's u is the one that the controller logs."""
+    def make_methods(self) -> dict[str, UncertaintyMethod]:
+        """The methods by name, those of the library new; the first one's u is the one that the controller logs."""
         if isinstance(self.methods, Mapping):
             return dict(self.methods)
-        return {name: METHODS[name] for name in self.methods}
+        return {name: METHODS[name]() for name in self.methods}
 
     @property
     def camera_images(self) -> frozenset[Image]:

@@ -48,10 +48,21 @@ class SimStation:
         """See `Station`."""
         return self._world.jaw_half_opening
 
-    def take_frame(self, images: frozenset[Image]) -> Frame:
-        """See `Station`; the pose is by forward kinematics of the measured joints, not the simulator's.
+    @property
+    def latency(self) -> float:
+        """How much later than it was taken a picture arrives, s."""
+        return self._world.conditions.latency_s
 
-        With latency the picture arrives so much later than it was taken.
+    def take_frame(self, images: frozenset[Image]) -> Frame:
+        """See `Station`. With latency the picture arrives so much later than it was taken, and the arm waits for it."""
+        frame = self.expose(images)
+        self.wait(self.latency, frozenset())
+        return frame
+
+    def expose(self, images: frozenset[Image]) -> Frame:
+        """The picture of this moment, for those who do not stand still until it arrives `latency` seconds later.
+
+        Its pose is by forward kinematics of the measured joints, not the simulator's.
         """
         layout, data = self._world.layout, self._world.data
         frame = Frame(
@@ -71,7 +82,6 @@ class SimStation:
             )
         )
         self._frames += 1
-        self.wait(self._world.conditions.latency_s, frozenset())
         return frame
 
     def follow(self, trajectory: JointTrajectory, watch: frozenset[Touch]) -> Contact | None:

@@ -4,6 +4,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import maskval
 from experiments.errors import UsageError
 from experiments.methods import METHODS, Context, Method, make_method, make_uncertainty, named_methods
 from experiments.thresholds import Thresholds, load_thresholds
@@ -86,6 +87,10 @@ def test_a_method_with_a_memory_is_a_new_one_in_every_experiment() -> None:
     first, second = (make_uncertainty("temporal", context("antenna")) for _ in range(2))
     assert isinstance(first, TemporalConsistency)
     assert first is not second
+
+
+def test_the_librarys_methods_are_compared_under_their_names_before_those_that_need_more_than_estimates() -> None:
+    assert list(METHODS) == [*maskval.METHODS, "random", "oracle-mask", "oracle-mdd"]
 
 
 def test_chance_is_another_in_every_experiment_and_the_same_in_one() -> None:

@@ -11,12 +11,13 @@ from gymnasium.utils.env_checker import check_env
 from cell.interfaces import Outcome
 from experiments.experiment import ExperimentSpec, run_experiment
 from experiments.thresholds import load_thresholds
-from maskval import Estimates, MaskVal, Needs, NoUncertainty, Pose
+from maskval import METHODS, Estimates, MaskVal, Needs, NoUncertainty, Pose
 from policies import Threshold
 from sim.env import SEARCH, GraspCellEnv
 from sim.env_options import EnvOptions, Rewards
 from sim.errors import DivergenceError, EnvOptionError, GraphicsError, NoiseFileError
 from sim.world import World
+from tests.sim.asserts import CERTAIN, assert_every_method_judges_exact_estimates
 
 N = EnvOptions().max_detections
 REFINE, GRASP = 1, 1 + N  # the first of each kind
@@ -77,14 +78,14 @@ def random_episode(env: GraspCellEnv, seed: int) -> list[tuple[Any, ...]]:
 
 
 def test_gymnasium_finds_nothing_to_complain_about() -> None:
-    check_env(made(n_parts=1))
+    check_env(made(n_parts=1, methods=tuple(METHODS)))
 
 
 @pytest.mark.study
 def test_stable_baselines3_finds_nothing_to_complain_about() -> None:
     from stable_baselines3.common.env_checker import check_env as check_for_baselines  # noqa: PLC0415
 
-    check_for_baselines(made(n_parts=1))
+    check_for_baselines(made(n_parts=1, methods=tuple(METHODS)))
 
 
 def test_deciding_like_the_policy_gives_the_experiment_that_compare_runs(env: GraspCellEnv) -> None:
@@ -227,6 +228,37 @@ def test_no_truth_is_told_unless_it_is_asked_for() -> None:
     env.close()
 
 
+@pytest.fixture(scope="module")
+def all_methods() -> Iterator[GraspCellEnv]:
+    env = made(estimator="oracle", methods=tuple(METHODS))
+    yield env
+    env.close()
+
+
+def test_every_method_of_the_library_judges_by_its_name(all_methods: GraspCellEnv) -> None:
+    assert len(METHODS) == 12
+    observation, _ = first_sight(all_methods)
+    assert_every_method_judges_exact_estimates(observation)
+
+
+def u_temporal_of_two_looks(env: GraspCellEnv) -> tuple[float, float]:
+    """Of a part at first sight, and when it is looked at again from above."""
+    observation, info = first_sight(env)
+    part, first = info["truth"]["part"][0], observation["u_temporal"][0]
+    observation, *_, info = env.step(np.int64(REFINE))
+    return float(first), float(observation["u_temporal"][info["truth"]["part"].index(part)])
+
+
+def test_a_method_with_a_memory_remembers_the_episode_and_nothing_before_it(all_methods: GraspCellEnv) -> None:
+    first_of_two = made(estimator="oracle", methods=("temporal", "none"))
+    looks = [u_temporal_of_two_looks(env) for env in (all_methods, all_methods, first_of_two, first_of_two)]
+    first_of_two.close()
+    assert len(set(looks)) == 1
+    at_first_sight, again = looks[0]
+    assert at_first_sight == 1.0
+    assert again < CERTAIN  # both looks are placed by a servo that misses by less than 1 mm, of 5 cm
+
+
 class Doubling:
     """A method of one's own that needs a second network."""
 
@@ -307,7 +339,7 @@ def test_environments_in_processes_of_their_own_do_what_one_does_here(env: Grasp
         ({"max_detections": 0}, "expected max_detections of at least 1, got 0"),
         ({"methods": "maskval"}, "expected methods to be a tuple of names or a mapping, got 'maskval'"),
         ({"methods": ()}, "expected methods to be a tuple of names or a mapping"),
-        ({"methods": ("magic",)}, "unknown methods 'magic': expected none, maskval, ensemble-add"),
+        ({"methods": ("magic",)}, "unknown methods 'magic': expected none, maskval, .*, temporal"),
         ({"images": ("thermal",)}, "unknown images 'thermal': expected rgb, depth, masks"),
         ({"estimator": "perfect"}, "unknown estimator 'perfect': expected oracle, noisy"),
         ({"speed": "warp"}, "unknown speed 'warp': expected ur-default"),

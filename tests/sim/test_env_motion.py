@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 from cell.grasping import plan_grasps, plan_places
 from cell.layout import Layout
 from cell.ur10 import forward
-from maskval import Pose
+from maskval import METHODS, Pose
 from sim.conditions import Conditions
 from sim.env_hand import MAX_SPEED, MAX_TURN, STEP_TIME
 from sim.env_motion import GraspCellMotionEnv
-from sim.errors import EnvOptionError
 from sim.parts import load_part
+from tests.sim.asserts import CERTAIN, assert_every_method_judges_exact_estimates
 
 OPEN, GRIP = 1.0, -1.0
 LAYOUT, PART = Layout(), load_part("antenna").part
@@ -101,14 +101,14 @@ def pick(hand: Scripted) -> Any:
 
 
 def test_gymnasium_finds_nothing_to_complain_about() -> None:
-    check_env(made())
+    check_env(made(methods=tuple(METHODS)))
 
 
 @pytest.mark.study
 def test_stable_baselines3_finds_nothing_to_complain_about() -> None:
     from stable_baselines3.common.env_checker import check_env as check_for_baselines  # noqa: PLC0415
 
-    check_for_baselines(made())
+    check_for_baselines(made(methods=tuple(METHODS)))
 
 
 def test_a_scripted_hand_places_the_part_by_what_it_observes(env: GraspCellMotionEnv) -> None:
@@ -211,6 +211,44 @@ def test_pictures_are_shown_when_the_networks_are_done_with_them(env: GraspCellM
     assert max(ages) == pytest.approx(0.90, abs=2 * STEP_TIME)
 
 
+def test_with_latency_an_old_picture_is_shown_and_its_age_is_told_truly() -> None:
+    """On a moving belt: what is observed is where the part was that long ago, while the arm goes on moving."""
+    late = made(
+        estimator="oracle",
+        methods=("ensemble-rotation",),
+        conditions=Conditions(latency_s=0.3, belt_speed=0.1),
+    )
+    hand = Scripted(late, SEED)
+    was, ages = {}, []
+    for step in range(120):
+        hand.act([0.2 * np.cos(step / 10), 0.0, 0.0], np.zeros(3), OPEN)
+        now, age = hand.info["time"], float(hand.observation["age"][0])
+        was[round(now, 3)] = hand.info["truth"]["X_BO"][0, :3, 3]
+        if hand.observation["valid"][0] and now - age > hand.began:  # the first picture was taken before the steps
+            assert hand.observation["position"][:3] == pytest.approx(was[round(now - age, 3)], abs=2e-3)
+            ages.append(age)
+    late.close()
+    assert len(ages) > 20
+    # The latency, 0.25 s for the masks and 0.20 s for each of two networks, then up to a step until it is noticed.
+    assert min(ages) == pytest.approx(0.3 + 0.25 + 2 * 0.20, abs=STEP_TIME)
+    travelled = np.linalg.norm(np.ptp(list(was.values()), axis=0))
+    assert travelled == pytest.approx(0.1 * 119 * STEP_TIME, rel=0.05)
+
+
+def test_every_method_of_the_library_judges_by_its_name_and_forgets_at_the_reset() -> None:
+    env = made(estimator="oracle", methods=tuple(METHODS))
+    seed = seed_that_shows_a_part(env)
+    for _ in range(2):
+        hand = Scripted(env, seed)
+        assert_every_method_judges_exact_estimates(hand.observation)
+        for _ in range(20):
+            hand.act([0.0, 0.0, -0.8], np.zeros(3), OPEN)
+        hand.stay(1.5, OPEN)
+        assert hand.observation["valid"][0]
+        assert hand.observation["u_temporal"][0] < CERTAIN  # seen from 0.2 m nearer
+    env.close()
+
+
 def test_an_episode_is_a_function_of_its_seed_and_actions_to_the_last_bit() -> None:
     noisy = made()
     rng = np.random.default_rng(0)
@@ -227,8 +265,6 @@ def test_an_episode_is_a_function_of_its_seed_and_actions_to_the_last_bit() -> N
 
 
 def test_what_cannot_be_is_refused(env: GraspCellMotionEnv) -> None:
-    with pytest.raises(EnvOptionError, match="expected conditions without latency_s"):
-        GraspCellMotionEnv(conditions=Conditions(latency_s=0.5))
     env.reset(seed=0)
     for action in (np.full(7, 2.0), np.full(7, np.nan), np.zeros(6)):
         with pytest.raises(gymnasium.error.InvalidAction):
