@@ -29,8 +29,8 @@ class Fuse:
     """Like `Threshold`, but upon averages: of each detection with all earlier views that agree with it.
 
     Views agree if their cameras stood apart (`BASELINE`) and their poses are close (`AGREEMENT`), each with each. What
-    is averaged is u, which is decided upon, and the pose, which is grasped. On a moving belt no two views agree, and
-    the rule is `Threshold`'s.
+    is averaged is u, which is decided upon, and the pose, which is grasped. On a moving belt a part is elsewhere in the
+    next view: none agree (but at less than a few mm/s), and the rule is `Threshold`'s.
     """
 
     def __init__(self, setup: PolicySetup) -> None:
