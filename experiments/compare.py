@@ -19,6 +19,7 @@ from experiments.report import format_table
 from experiments.store import LogWriter
 from experiments.table import Cell, make_cell
 from policies import Threshold
+from sim.conditions import Conditions
 from sim.errors import SimError
 from sim.parts import load_part
 
@@ -75,7 +76,8 @@ def compare(config: Compare) -> int:
     )
     if config.parties.policy is not None:
         print(f"policy: {config.parties.policy}")
-    print(format_table(cells))
+    as_paper = config.parties.policy is None and config.conditions == Conditions()
+    print(format_table(cells, as_paper=as_paper))
     print(format_paired(pairs), end="\n" if pairs else "")
     for caveat in caveats(specs):
         print(caveat)

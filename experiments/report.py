@@ -25,9 +25,14 @@ _HEADER = (
 _LEFT = 2  # columns of words; the others are numbers and stand right
 
 
-def format_table(cells: Sequence[Cell]) -> str:
-    """The cells as an aligned table: averages over experiments, intervals of the pooled counts, the paper's figures."""
-    rows = [_HEADER, *(_row(cell) for cell in cells)]
+def format_table(cells: Sequence[Cell], *, as_paper: bool = True) -> str:
+    """The cells as an aligned table: averages over experiments, intervals of the pooled counts.
+
+    Args:
+        cells: The rows.
+        as_paper: Whether the experiments were the paper's, so that its figures belong beside them.
+    """
+    rows = [_HEADER, *(_row(cell, as_paper) for cell in cells)]
     widths = [max(len(row[column]) for row in rows) for column in range(len(_HEADER))]
     lines = []
     for row in rows:
@@ -40,8 +45,8 @@ def format_table(cells: Sequence[Cell]) -> str:
     return "\n".join(lines)
 
 
-def _row(cell: Cell) -> tuple[str, ...]:
-    paper = ROBOT_TABLE.get((cell.object, cell.method))
+def _row(cell: Cell, as_paper: bool) -> tuple[str, ...]:
+    paper = ROBOT_TABLE.get((cell.object, cell.method)) if as_paper else None
     runs = str(cell.experiments) + (f" ({cell.failed} failed)" if cell.failed else "")
     return (
         cell.object,

@@ -36,6 +36,13 @@ EMPTY = replace(
 )
 
 
+def test_the_papers_figures_stand_beside_its_own_experiments_only() -> None:
+    (row,) = format_table([CELL], as_paper=False).splitlines()[2:]
+    assert row.split().count("–") == 2
+    (row,) = format_table([CELL]).splitlines()[2:]
+    assert row.split().count("–") == 0
+
+
 def words(*cells: Cell) -> list[dict[str, str]]:
     """The rows of the table as words by column; the two columns of the paper become paper and paper 2, and so on."""
     header, _, *rows = format_table(cells).splitlines()
