@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import closing
 from dataclasses import replace
+from pathlib import Path
 
 from tqdm import tqdm
 
@@ -39,26 +40,7 @@ def compare(config: Compare) -> int:
     """
     specs = config.specs()
     folder = writable_folder(config.out)
-    results: list[Result] = []
-    ended_early: tuple[str, int] | None = None  # by what, and the exit code
-    with (
-        LogWriter(folder) as logs,
-        tqdm(total=len(specs), unit="experiment", dynamic_ncols=True) as progress,
-        closing(run_all(run_experiment, specs, config.workers)) as stream,
-    ):
-        try:
-            for result in stream:
-                logs.write(result.tables)
-                results.append(replace(result, tables={}))
-                progress.set_postfix_str(f"{result.spec.part} × {result.spec.method}", refresh=False)
-                progress.update()
-        except KeyboardInterrupt:
-            ended_early = "interrupted", INTERRUPTED
-        except BrokenProcessPool:
-            ended_early = "a worker process died (out of memory?); ended", WORKER_DIED
-        except SimError:
-            progress.leave = False  # the error shall be the only line
-            raise
+    results, ended_early = _run(specs, config.workers, folder)
     cells, pairs = make_cells(specs, results), make_pairs(specs, results)
     write_json(
         folder / "table.json",
@@ -93,6 +75,30 @@ def compare(config: Compare) -> int:
     return FAILED if any(result.failure is not None for result in results) else 0
 
 
+def _run(specs: Sequence[ExperimentSpec], workers: int, folder: Path) -> tuple[list[Result], tuple[str, int] | None]:
+    """Runs the experiments and writes their logs; what is finished, and what ended it early with which exit code."""
+    results: list[Result] = []
+    with (
+        LogWriter(folder) as logs,
+        tqdm(total=len(specs), unit="experiment", dynamic_ncols=True) as progress,
+        closing(run_all(run_experiment, specs, workers)) as stream,
+    ):
+        try:
+            for result in stream:
+                logs.write(result.tables)
+                results.append(replace(result, tables={}))
+                progress.set_postfix_str(f"{result.spec.part} × {result.spec.method}", refresh=False)
+                progress.update()
+        except KeyboardInterrupt:
+            return results, ("interrupted", INTERRUPTED)
+        except BrokenProcessPool:
+            return results, ("a worker process died (out of memory?); ended", WORKER_DIED)
+        except SimError:
+            progress.leave = False  # the error shall be the only line
+            raise
+    return results, None
+
+
 def make_cells(specs: Sequence[ExperimentSpec], results: Sequence[Result]) -> list[Cell]:
     """One cell per object and method that has at least one result, in the order of the specs."""
     counts: dict[tuple[str, str], list[Count | None]] = {(spec.part, spec.method): [] for spec in specs}
@@ -102,15 +108,19 @@ def make_cells(specs: Sequence[ExperimentSpec], results: Sequence[Result]) -> li
 
 
 def make_pairs(specs: Sequence[ExperimentSpec], results: Sequence[Result]) -> list[Paired]:
-    """Every method beside the reference, object by object, over the experiments that both have finished."""
+    """Every method beside the reference, object by object, over the experiments that both have finished.
+
+    Experiments with one and the same error model of a domain gap are no independent ones: they are a group.
+    """
     counts = {_place(result.spec): result.count for result in results}
     pairs = []
     for part in dict.fromkeys(spec.part for spec in specs):
-        groups: dict[str, list[list[Count | None]]] = {}
+        groups: dict[str, dict[object, list[Count | None]]] = {}
         for spec in specs:
             if spec.part == part:
-                groups.setdefault(spec.method, []).append([counts.get(_place(spec))])
-        pairs += pair(load_part(part).part.name, groups)
+                world = spec.noise or spec.experiment
+                groups.setdefault(spec.method, {}).setdefault(world, []).append(counts.get(_place(spec)))
+        pairs += pair(load_part(part).part.name, {method: list(group.values()) for method, group in groups.items()})
     return pairs
 
 

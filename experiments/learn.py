@@ -17,7 +17,7 @@ from gymnasium import spaces
 from numpy.typing import NDArray
 
 from cell.records import Count
-from experiments.checks import at_least, check_part_and_method
+from experiments.checks import all_at_least, check_part_and_method
 from experiments.config import Compare
 from experiments.errors import UsageError
 from experiments.experiment import run_experiment
@@ -197,8 +197,7 @@ def main() -> None:
     try:
         check_part_and_method(config.object, "maskval", load_thresholds("paper"))
         Parties(gap=config.gap).noise(config.object, 0)
-        for name in ("steps", "experiments", "jobs"):
-            at_least(f"--{name}", getattr(config, name), 1)
+        all_at_least(config, steps=1, experiments=1, jobs=1)
         Rewards(false_positive=config.false_positive)
         model = learned(config)
     except (UsageError, EnvOptionError) as error:

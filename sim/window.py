@@ -93,9 +93,7 @@ def _check_display() -> None:
             "render_mode 'human' opens a window and needs a display, but neither DISPLAY nor WAYLAND_DISPLAY is "
             "set; render_mode 'rgb_array' needs none"
         )
-    with ThreadPoolExecutor(
-        1
-    ) as apart:  # this thread may hold a camera's EGL context, beside which GLX ends the process
+    with ThreadPoolExecutor(1) as apart:  # this thread may hold an EGL context, beside which GLX ends the process
         obstacle = apart.submit(_obstacle).result()
     if obstacle:
         raise GraphicsError(

@@ -31,6 +31,16 @@ HALF_WIDTH = 0.02  # m, between the jaws when they hold the brick
 # Powers of two, so that sums of times are exact: a look from the next view takes 1 + 0.25 + 0.5 + 0.25 = 2 s.
 MOVE_TIME, SETTLE_TIME, MASK_TIME, POSE_TIME = 1.0, 0.25, 0.5, 0.25
 LOOK_TIME = MOVE_TIME + SETTLE_TIME + MASK_TIME + POSE_TIME
+ATTEMPT = (  # the states of one that succeeds
+    State.APPROACH,
+    State.DESCEND,
+    State.CLOSE,
+    State.LIFT,
+    State.TRANSFER,
+    State.INSERT,
+    State.RELEASE,
+    State.RETREAT,
+)
 
 
 def scripted(script: Sequence[T], call: int) -> T:

@@ -27,7 +27,7 @@ def check_matplotlib() -> None:
 
 def draw_curves(sets: Sequence[Scored], path: Path) -> None:
     """AR, ARU and AR* over the error threshold, one panel per part."""
-    figure = _figure(5.2 * len(sets))
+    figure = _figure(1.8 + 4.6 * len(sets))  # the legend beside the panels
     panels = figure.subplots(1, len(sets), sharey=True, squeeze=False)[0]
     for axes, one in zip(panels, sets, strict=True):
         axes.plot(1e3 * ERRORS_M, 100 * next(iter(one.curves.values())).ar_star, color="k", label="AR*")
@@ -39,7 +39,7 @@ def draw_curves(sets: Sequence[Scored], path: Path) -> None:
         axes.set(title=one.object, xlabel="error threshold $e_t$, mm", ylim=(-2, 102))
         axes.grid(alpha=0.3)
     panels[0].set_ylabel("recall at AP ≥ 99 %, %")
-    panels[0].legend(fontsize="small")
+    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside right center", fontsize="small")
     figure.savefig(path, dpi=110)
 
 

@@ -13,6 +13,7 @@ from cell.speed import PRESETS
 from cell.ur10 import forward, inverse_on_branch
 from maskval import Pose
 from tests.fakes import (
+    ATTEMPT,
     CONTACT_FORCE,
     HALF_WIDTH,
     HOME,
@@ -27,16 +28,6 @@ from tests.fakes import (
 PART, LAYOUT = brick(), small_layout()
 X_BO = on_belt(PART, LAYOUT, turned(yaw_deg=20.0), y_W=0.2)
 OPEN = LAYOUT.gripper.max_half_opening
-SUCCESS = [
-    State.APPROACH,
-    State.DESCEND,
-    State.CLOSE,
-    State.LIFT,
-    State.TRANSFER,
-    State.INSERT,
-    State.RELEASE,
-    State.RETREAT,
-]
 
 
 @dataclass
@@ -88,7 +79,7 @@ START = tool_point(HOME)
 
 def test_a_success_goes_through_the_states_in_order_and_ends_above_the_slot():
     tried = attempt()
-    assert tried.states == SUCCESS
+    assert tried.states == [*ATTEMPT]
     assert tried.reach == Reach("from above", State.RETREAT, None)
     np.testing.assert_allclose(tried.p_WT, ABOVE, atol=1e-9)
     # Six motions, and the two times that the jaws take.
@@ -144,8 +135,8 @@ def test_a_contact_stops_the_motion_retreats_and_ends_the_attempt(state, touch, 
     assert contact == Contact(touch, CONTACT_FORCE, contact.time)
     assert tried.reach == Reach("from above", state, contact)
 
-    way_there, way_back = tried.states[: SUCCESS.index(state) + 1], tried.states[SUCCESS.index(state) + 1 :]
-    assert way_there == SUCCESS[: SUCCESS.index(state) + 1]
+    way_there, way_back = tried.states[: ATTEMPT.index(state) + 1], tried.states[ATTEMPT.index(state) + 1 :]
+    assert tuple(way_there) == ATTEMPT[: ATTEMPT.index(state) + 1]
     assert set(way_back) == {State.RETREAT}
     after = tried.station.motions[stopped[0] + 1 :]
     assert len(after) >= 1
@@ -165,14 +156,14 @@ def test_the_jaws_open_before_the_arm_goes_back_from_the_part(state):
     assert not np.allclose(back.q, stopped_at)
 
 
-@pytest.mark.parametrize("state", SUCCESS)
+@pytest.mark.parametrize("state", ATTEMPT)
 def test_the_part_may_touch_the_hand_that_holds_it(state):
     station = FakeStation(LAYOUT, move_time=MOVE_TIME, touches={state: Touch.PART})
     stopped = attempt(station).reach.contact is not None
     assert stopped is (state in (State.APPROACH, State.DESCEND))
 
 
-@pytest.mark.parametrize("state", SUCCESS)
+@pytest.mark.parametrize("state", ATTEMPT)
 def test_the_held_part_may_press_on_the_container_except_on_the_way_into_it(state):
     station = FakeStation(LAYOUT, move_time=MOVE_TIME, touches={state: Touch.PRESSED})
     stopped = attempt(station).reach.contact is not None
@@ -190,7 +181,7 @@ def test_jaws_that_close_on_nothing_go_back_up_and_transfer_nothing():
 @pytest.mark.parametrize(("state", "p_WT"), [(State.LIFT, LIFTED), (State.TRANSFER, ABOVE)])
 def test_a_part_that_slips_out_on_the_way_ends_the_attempt_there(state, p_WT):
     tried = attempt(FakeStation(LAYOUT, move_time=MOVE_TIME, loses_part_in=state))
-    assert tried.states == [*SUCCESS[: SUCCESS.index(state) + 1], State.RETREAT]
+    assert tried.states == [*ATTEMPT[: ATTEMPT.index(state) + 1], State.RETREAT]
     assert tried.reach == Reach("from above", state, None)
     np.testing.assert_allclose(tried.p_WT, p_WT, atol=1e-9)
 

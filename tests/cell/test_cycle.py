@@ -20,6 +20,7 @@ from cell.ur10 import forward
 from maskval import Pose
 from policies import Always, Threshold
 from tests.fakes import (
+    ATTEMPT,
     CONTACT_FORCE,
     LOOK_TIME,
     MOVE_TIME,
@@ -42,16 +43,6 @@ HERE = on_belt(PART, LAYOUT, turned())
 ON_ITS_SIDE = on_belt(PART, LAYOUT, turned(roll_deg=90), y_W=-0.3)
 FAR = on_belt(PART, LAYOUT, turned(), x_W=2.0)
 LOOK = [State.LOOK, State.DECIDE]
-REACH = [
-    State.APPROACH,
-    State.DESCEND,
-    State.CLOSE,
-    State.LIFT,
-    State.TRANSFER,
-    State.INSERT,
-    State.RELEASE,
-    State.RETREAT,
-]
 CAREFUL = Threshold(u_grasp=0.2, u_refine=0.6)
 
 
@@ -79,7 +70,7 @@ def entered(experiment: Experiment) -> list[State]:
 
 def test_a_part_that_can_be_placed_is_placed_through_the_states_in_order():
     experiment = run_cycle(Always())
-    assert entered(experiment) == [State.SEARCH, *LOOK, *REACH, State.DONE]
+    assert entered(experiment) == [State.SEARCH, *LOOK, *ATTEMPT, State.DONE]
     count = experiment.count
     assert (count.tp, count.fp, count.fn, count.void, count.unreachable, count.timeouts) == (1, 0, 0, 0, 0, 0)
     assert experiment.slots == [Slot(0, 0.0, count.duration, Outcome.PLACED)]
@@ -244,7 +235,7 @@ def test_a_view_that_gave_a_part_is_looked_at_again_and_after_a_failure_the_next
 
 def test_u_between_the_thresholds_leads_to_one_second_look_that_centres_the_part():
     experiment = run_cycle(CAREFUL, u=[0.4, 0.1])
-    assert entered(experiment) == [State.SEARCH, *LOOK, State.REFINE, *LOOK, *REACH, State.DONE]
+    assert entered(experiment) == [State.SEARCH, *LOOK, State.REFINE, *LOOK, *ATTEMPT, State.DONE]
     first, second = experiment.seen
     assert (first.observation.refining, second.observation.refining) == (False, True)
     assert first.decision == Decision(Action.REFINE, 0, 0.6)
@@ -483,7 +474,7 @@ HAPPENINGS = st.builds(
     touch_on_the_way=st.booleans(),
 )
 FINISHED = st.sampled_from([Outcome.PLACED, Outcome.PLACED, Outcome.DROPPED, Outcome.MISPLACED]).map(Try)
-STOPPED = st.sampled_from([*REACH]).map(lambda state: Try(touches=(state, Touch.CONTAINER)))
+STOPPED = st.sampled_from([*ATTEMPT]).map(lambda state: Try(touches=(state, Touch.CONTAINER)))
 
 
 @given(

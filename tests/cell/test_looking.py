@@ -9,7 +9,18 @@ from cell.records import State
 from cell.search import REFINE_DISTANCE, refinement_view
 from maskval import Pose
 from policies import Always, Threshold
-from tests.fakes import LOOK_TIME, SETTLE_TIME, Experiment, Try, brick, on_belt, run_cycle, small_layout, turned
+from tests.fakes import (
+    ATTEMPT,
+    LOOK_TIME,
+    SETTLE_TIME,
+    Experiment,
+    Try,
+    brick,
+    on_belt,
+    run_cycle,
+    small_layout,
+    turned,
+)
 
 SPEED = 0.1
 PART, LAYOUT = brick(), small_layout(SPEED)
@@ -18,16 +29,6 @@ FIRST = on_belt(PART, LAYOUT, turned(), y_W=0.4)
 THEN = on_belt(PART, LAYOUT, turned(yaw_deg=5.0), y_W=0.2)  # where the fresh look shows it
 CAREFUL = Threshold(u_grasp=0.2, u_refine=0.6)
 LOOK, AGAIN = [State.SEARCH, State.LOOK, State.DECIDE], [State.REFINE, State.LOOK, State.DECIDE]
-REACH = [
-    State.APPROACH,
-    State.DESCEND,
-    State.CLOSE,
-    State.LIFT,
-    State.TRANSFER,
-    State.INSERT,
-    State.RELEASE,
-    State.RETREAT,
-]
 
 
 def config(**other: object) -> CycleConfig:
@@ -47,7 +48,7 @@ def reasons(experiment: Experiment, state: State) -> list[str]:
 
 def test_on_a_moving_belt_a_grasp_is_decided_upon_anew_on_a_fresh_look_and_carried_out_from_there() -> None:
     experiment = run_cycle(Always(), belt_speed=SPEED, X_BO=[FIRST, THEN])
-    assert entered(experiment) == [*LOOK, *AGAIN, State.DECIDE, *REACH, State.DONE]
+    assert entered(experiment) == [*LOOK, *AGAIN, State.DECIDE, *ATTEMPT, State.DONE]
     assert reasons(experiment, State.REFINE) == ["fresh look at detection 0"]
     assert "the belt runs at 0.1" in reasons(experiment, State.DECIDE)[-1]
     assert [seen.observation.refining for seen in experiment.seen] == [False, True]
@@ -60,14 +61,14 @@ def test_on_a_moving_belt_a_grasp_is_decided_upon_anew_on_a_fresh_look_and_carri
 @pytest.mark.parametrize(("speed", "fresh_look"), [(0.0, True), (SPEED, False)])
 def test_on_a_belt_at_rest_or_where_it_is_not_wanted_there_is_no_fresh_look(speed: float, fresh_look: bool) -> None:
     experiment = run_cycle(Always(), belt_speed=speed, X_BO=[FIRST, THEN], config=config(fresh_look=fresh_look))
-    assert entered(experiment) == [*LOOK, *REACH, State.DONE]
+    assert entered(experiment) == [*LOOK, *ATTEMPT, State.DONE]
     (attempt,) = experiment.attempts
     np.testing.assert_allclose(attempt.X_BO_est.matrix, FIRST.matrix, atol=1e-12)
 
 
 def test_a_second_look_that_the_policy_asked_for_is_fresh_enough() -> None:
     experiment = run_cycle(CAREFUL, belt_speed=SPEED, X_BO=[FIRST, THEN], u=[0.4, 0.1])
-    assert entered(experiment) == [*LOOK, *AGAIN, State.DECIDE, *REACH, State.DONE]
+    assert entered(experiment) == [*LOOK, *AGAIN, State.DECIDE, *ATTEMPT, State.DONE]
     assert reasons(experiment, State.REFINE) == ["detection 0"]
 
 
@@ -90,7 +91,7 @@ def test_after_a_second_look_in_vain_the_part_is_grasped_as_seen_from_the_search
 def test_a_fresh_look_that_is_out_of_reach_is_left_out_and_the_grasp_goes_ahead_as_seen_first() -> None:
     too_high = config(refine_distance=1.5)  # the arm is 1.3 m long
     experiment = run_cycle(Always(), belt_speed=SPEED, X_BO=[FIRST, THEN], config=too_high)
-    assert entered(experiment) == [*LOOK, State.REFINE, State.DECIDE, *REACH, State.DONE]
+    assert entered(experiment) == [*LOOK, State.REFINE, State.DECIDE, *ATTEMPT, State.DONE]
     assert reasons(experiment, State.DECIDE)[1:] == ["no fresh look: the part will be out of the camera's reach"]
     (attempt,) = experiment.attempts
     assert (attempt.frame, attempt.outcome) == (0, Outcome.PLACED)

@@ -1,7 +1,13 @@
+from dataclasses import replace
+
 import pytest
 
 from cell.records import Count
+from experiments.compare import make_pairs
+from experiments.config import Compare
+from experiments.experiment import Result
 from experiments.paired import Paired, format_paired, pair
+from experiments.parties import Parties
 
 
 def count(tp: int, fp: int) -> Count:
@@ -70,3 +76,19 @@ def test_the_lines_hold_both_intervals() -> None:
     assert "handle  contour  placed +0.75 [+0.21, +1.29]" in told
     assert "failed -0.10 [-0.30, +0.10]" in told
     assert told.endswith("  20 runs")
+
+
+def test_experiments_of_compare_with_one_error_model_are_a_group() -> None:
+    config = Compare(
+        objects=("handle",), methods=("none", "maskval"), experiments=21, parties=Parties(gap="fitted"), jobs=1
+    )
+    specs = config.specs()
+    assert specs[20].noise == specs[0].noise  # the worlds begin anew
+    # "none" places 4 more in the experiments 0 and 20 and as many in the others: world 0 counts once, so 4 / 20.
+    more = {("none", 0): 4, ("none", 20): 4}
+    results = [Result(spec, count(2 + more.get((spec.method, spec.experiment), 0), 0), None, {}) for spec in specs]
+    (row,) = make_pairs(specs, results)
+    assert (row.experiments, row.placed) == (21, pytest.approx(4 / 20))
+    plain = [replace(spec, noise=()) for spec in specs]
+    (row,) = make_pairs(plain, [replace(result, spec=spec) for spec, result in zip(plain, results, strict=True)])
+    assert row.placed == pytest.approx(8 / 21)

@@ -1,4 +1,5 @@
 import json
+from concurrent.futures.process import BrokenProcessPool
 
 import pytest
 
@@ -90,6 +91,25 @@ def test_a_prediction_runs_and_writes_what_it_prints(tmp_path, capsys) -> None:
     assert (cell["object"], cell["method"], cell["experiments"]) == ("handle", "none", 1)
     assert cell["tp"] + cell["fp"] + cell["timeouts"] == 8
     assert f"{100 * cell['ap']['mean']:.1f} [" in capsys.readouterr().out
+
+
+def test_what_ends_a_prediction_early_leaves_the_variants_that_are_finished(tmp_path, capsys, monkeypatch) -> None:
+    def counted(specs, jobs, description):
+        if description == "speed-fast":
+            raise BrokenProcessPool("killed")
+        return [count(8, 0, 0) for _ in specs]
+
+    monkeypatch.setattr("experiments.prediction.command.count_all", counted)
+    with pytest.raises(SystemExit) as end:
+        main(
+            ["predict", "--objects", "handle", "--methods", "none", "--worlds", "1", "--experiments", "1"]
+            + ["--variants", "base", "speed-fast", "--out", str(tmp_path)]
+        )
+    told = capsys.readouterr()
+    assert (end.value.code, told.err) == (1, "graspcell: error: a worker process died (out of memory?)\n")
+    assert "base: mean" in told.out
+    assert list(json.loads((tmp_path / "predict.json").read_text())["variants"]) == ["base"]
+    assert (tmp_path / "manifest.json").is_file()
 
 
 def test_compare_with_the_fitted_gap_runs_the_predictions_worlds(tmp_path) -> None:
