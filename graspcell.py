@@ -6,5 +6,5 @@ Gymnasium finds no installed environments by itself since its version 1.0; this 
 
 import gymnasium
 
-gymnasium.register("GraspCell-v0", entry_point="sim.env:GraspCellEnv")
-gymnasium.register("GraspCellMotion-v0", entry_point="sim.env_motion:GraspCellMotionEnv")
+gymnasium.register("GraspCell-v0", entry_point="sim.gym.decision_env:GraspCellEnv")
+gymnasium.register("GraspCellMotion-v0", entry_point="sim.gym.motion_env:GraspCellMotionEnv")

@@ -13,19 +13,19 @@ from collections import defaultdict
 from collections.abc import Callable
 from typing import Any
 
-from experiments.experiment import ExperimentSpec, run_experiment
-from experiments.thresholds import load_thresholds
-from sim.bench import bench
+from experiments.setup.experiment import ExperimentSpec, run_experiment
+from experiments.setup.thresholds import load_thresholds
+from sim.runtime.sim_cell import bench
 
 STAGES = {  # name: (module, class or None, function)
     "physics": ("mujoco", None, "mj_step"),
-    "part numbers (segmentation)": ("sim.camera", "Camera", "part_numbers"),
-    "masks": ("sim.estimators", "NoisyMasks", "detect"),
-    "poses": ("sim.estimators", "NoisyPoses", "estimate"),
+    "part numbers (segmentation)": ("sim.model.renderer", "Camera", "part_numbers"),
+    "masks": ("sim.networks.estimators", "NoisyMasks", "detect"),
+    "poses": ("sim.networks.estimators", "NoisyPoses", "estimate"),
     "uncertainty": ("cell.perception", "Perception", "uncertainties"),
     "joint moves": ("cell.motion", None, "joint_move"),
     "lines with inverse kinematics": ("cell.motion", None, "line_move"),
-    "logs": ("experiments.recorder", "Recorder", "__call__"),
+    "logs": ("experiments.results.recorder", "Recorder", "__call__"),
 }
 
 

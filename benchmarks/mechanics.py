@@ -9,16 +9,16 @@ from statistics import median
 
 import numpy as np
 
-import sim.stage as subject
+import sim.runtime.episode as subject
 from cell.interfaces import Contact, Touch
 from cell.records import State, Transition
 from cell.ur10 import forward
-from experiments.experiment import ExperimentSpec, run_experiment
-from experiments.thresholds import load_thresholds
+from experiments.setup.experiment import ExperimentSpec, run_experiment
+from experiments.setup.thresholds import load_thresholds
 from maskval import Pose
-from sim.bench import bench
-from sim.station import Command, SimStation
-from sim.truth import TruthBooth
+from sim.networks.ground_truth import TruthBooth
+from sim.runtime.sim_cell import bench
+from sim.runtime.station import Command, SimStation
 
 tool_errors: list[float] = []  # m, one per motion
 stations: list["ObservedStation"] = []

@@ -10,16 +10,16 @@ from statistics import median
 import numpy as np
 
 from cell.layout import default_camera
-from experiments.methods import METHODS, Context, make_uncertainty
-from experiments.thresholds import Thresholds
+from experiments.setup.methods import METHODS, Context, make_uncertainty
+from experiments.setup.thresholds import Thresholds
 from maskval import Estimates, Pose, UncertaintyMethod
-from sim.dataset import Recipe, draw_nearest, make_image
-from sim.dataset_estimates import estimate_image
-from sim.latents import Streams
-from sim.noise import load_noise
-from sim.part_numbers import PIXEL_CENTER
-from sim.parts import load_part, part_names
-from sim.truth import FrameTruth, TruthBooth
+from sim.images.test_image_estimates import estimate_image
+from sim.images.test_images import Recipe, draw_nearest, make_image
+from sim.instance_ids import PIXEL_CENTER
+from sim.model.parts import load_part, part_names
+from sim.networks.ground_truth import FrameTruth, TruthBooth
+from sim.networks.noise_model import load_noise
+from sim.networks.random_streams import Streams
 
 IMAGES, ROUNDS = 20, 5
 

@@ -9,8 +9,8 @@ import trimesh
 
 from benchmarks.workload import CAMERAS, load_mesh, poses, task_masks
 from maskval import Camera, Mesh, PackedMasks, Pose, depth_crop, silhouette_iou
-from maskval._reference import spans
-from maskval.views import views
+from maskval.rendering.reference import spans
+from maskval.rendering.views import views
 
 VGA = CAMERAS["VGA"]
 # Sections around and across a torus, for 1,000 to 1,000,000 triangles.

@@ -7,7 +7,7 @@ import trimesh
 from numpy.typing import NDArray
 
 from maskval import Camera, Mesh, Pose, silhouette
-from sim.parts import load_part
+from sim.model.parts import load_part
 
 CAMERAS = {
     "VGA": Camera(600.0, 600.0, 320.0, 240.0, 640, 480),

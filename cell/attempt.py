@@ -6,12 +6,12 @@ from typing import NoReturn
 
 import numpy as np
 
+from cell.conveyor_tracking import RAMP_TIME, RIDE_TIME
 from cell.grasping import RELEASE_GAP, GraspPlan, PlacePlan, plan_grasps, plan_places
 from cell.interfaces import Contact, Touch
 from cell.motion import EVERYTHING, HOLDING, Array, Motion, Unreachable
 from cell.part import Part
 from cell.records import State
-from cell.riding import RAMP_TIME, RIDE_TIME
 from maskval import Pose
 
 GRIP = -0.02  # m, commanded half opening: beyond closed, so that the jaws press with all the force that they may use

@@ -4,10 +4,10 @@ from collections.abc import Generator
 from dataclasses import dataclass, field
 from typing import TypeVar
 
-from cell.asking import TIME_LIMIT
 from cell.attempt import Attempt
-from cell.deciding import ask_policy, check_decision
+from cell.conveyor_tracking import BeltSpeed
 from cell.errors import EstimatorError, LayoutError, PolicyError
+from cell.guards import TIME_LIMIT, ask_policy, check_decision
 from cell.interfaces import (
     Action,
     Contact,
@@ -20,13 +20,11 @@ from cell.interfaces import (
     Station,
 )
 from cell.layout import Layout
-from cell.looking import SecondLook
 from cell.motion import Motion, Unreachable
+from cell.motion_limits import PRESETS, SpeedPreset
 from cell.perception import Perception
 from cell.records import AttemptRecord, Count, Failed, Seen, Slot, State, Transition
-from cell.search import REFINE_DISTANCE, SearchRun, search_run
-from cell.speed import PRESETS, SpeedPreset
-from cell.tracking import BeltSpeed
+from cell.viewpoints import REFINE_DISTANCE, SearchRun, SecondLook, search_run
 from maskval import Pose
 
 T = TypeVar("T")

@@ -6,11 +6,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from cell.conveyor_tracking import RAMP_TIME, BeltSpeed, Way, at_speed, carried, joining, leaving, ride
 from cell.interfaces import Contact, Station, Touch
 from cell.layout import Layout
-from cell.riding import RAMP_TIME, Way, at_speed, carried, joining, leaving, ride
-from cell.speed import SpeedPreset
-from cell.tracking import BeltSpeed
+from cell.motion_limits import SpeedPreset
 from cell.trajectory import joint_move, line_move, line_poses
 from cell.ur10 import forward, inverse_on_branch
 from maskval import Pose

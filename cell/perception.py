@@ -9,8 +9,8 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from cell.asking import TIME_LIMIT, ask
 from cell.errors import EstimatorError
+from cell.guards import TIME_LIMIT, ask
 from cell.interfaces import Detection, Frame, Image, MaskEstimator, Observation, PoseEstimator, Station
 from cell.part import Part
 from maskval import Estimates, InvalidEstimatesError, Pose, UncertaintyMethod, needs_of

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import Rotation
 
 from cell.errors import InvalidTrajectoryError
-from cell.speed import SpeedPreset, check_positive
+from cell.motion_limits import SpeedPreset, check_positive
 from cell.ur10 import JOINT_LIMIT, SPEED_LIMITS, checked_joints, forward, inverse_path
 from maskval import Pose
 

@@ -13,19 +13,21 @@ from typing import Annotated, Any
 import tyro
 
 from experiments.calibration.config import Calibrate
-from experiments.config import Compare, Picture, Run, Tolerance
+from experiments.commands.config import Compare, Picture, Run, Tolerance
+from experiments.commands.uq import Uq, uq
 from experiments.dataset.config import Dataset
 from experiments.dataset.rules import Rules
 from experiments.errors import ExperimentsFailedError, UsageError
-from experiments.parties import Parties
 from experiments.prediction.config import FitGap, Predict
 from experiments.rendering.config import RenderDataset
-from experiments.uq import Uq, uq
-from sim.conditions import Conditions
+from experiments.setup.actors import Parties
 from sim.errors import GraphicsError
+from sim.model.conditions import Conditions
 
 USAGE = 2  # exit code of a wrong argument, or of a machine without OpenGL
-_GL_PACKAGES = "libegl1 libgl1 libosmesa6"  # sim.camera names them too, but cannot be asked where they are missing
+_GL_PACKAGES = (
+    "libegl1 libgl1 libosmesa6"  # sim.model.renderer names them too, but cannot be asked where they are missing
+)
 
 _USAGE = "Argument help"  # what tyro's explanation of an option begins with
 _ASIDES = ("For full", _USAGE, "Perhaps you meant")  # they fill a screen, not a line
@@ -39,28 +41,28 @@ _DESCRIPTION = (
 
 def _compare(config: Compare) -> int:
     _load_engine()
-    from experiments.compare import compare  # noqa: PLC0415  # the engine is loaded when it is needed
+    from experiments.commands.compare import compare  # noqa: PLC0415  # the engine is loaded when it is needed
 
     return compare(config)
 
 
 def _run(config: Run) -> int:
     _load_engine()
-    from experiments.run import run  # noqa: PLC0415
+    from experiments.commands.run import run  # noqa: PLC0415
 
     return run(config)
 
 
 def _picture(config: Picture) -> int:
     _load_engine()
-    from experiments.picture import picture  # noqa: PLC0415
+    from experiments.commands.picture import picture  # noqa: PLC0415
 
     return picture(config)
 
 
 def _tolerance(config: Tolerance) -> int:
     _load_engine()
-    from experiments.tolerance import tolerance  # noqa: PLC0415
+    from experiments.commands.tolerance import tolerance  # noqa: PLC0415
 
     return tolerance(config)
 
@@ -168,7 +170,7 @@ def _load_engine() -> None:
         UsageError: the library is missing; the message names the packages to install.
     """
     try:
-        importlib.import_module("sim.camera")
+        importlib.import_module("sim.model.renderer")
     except (AttributeError, OSError, RuntimeError) as error:
         raise UsageError(
             f"no off-screen OpenGL ({type(error).__name__}: {error}); expected EGL or OSMesa: "

@@ -17,17 +17,17 @@ from gymnasium import spaces
 from numpy.typing import NDArray
 
 from cell.records import Count
-from experiments.checks import all_at_least, check_part_and_method
-from experiments.config import Compare
+from experiments.commands.config import Compare
 from experiments.errors import UsageError
-from experiments.experiment import run_experiment
-from experiments.parties import Parties
-from experiments.pool import run_all
-from experiments.table import Interval, make_cell
-from experiments.thresholds import load_thresholds
+from experiments.results.table import Interval, make_cell
+from experiments.setup.actors import Parties
+from experiments.setup.checks import all_at_least, check_part_and_method
+from experiments.setup.experiment import run_experiment
+from experiments.setup.pool import run_all
+from experiments.setup.thresholds import load_thresholds
 from maskval import bootstrap_mean_interval
-from sim.env_options import Rewards
 from sim.errors import EnvOptionError
+from sim.gym.options import Rewards
 
 Array = NDArray[np.float32]
 

@@ -1,12 +1,7 @@
 """MaskVal: how far can a 6D pose be trusted, judged by the mask that it should project to."""
 
 from maskval.association import UNMATCHED, associate
-from maskval.baselines import DetectorScore, NoUncertainty, RandomUncertainty
 from maskval.camera import Camera
-from maskval.combined import Combined
-from maskval.depth import DepthCrop, depth_crop, depth_image
-from maskval.depth_agreement import DepthConsistency
-from maskval.ensemble import Ensemble
 from maskval.errors import (
     InvalidCameraError,
     InvalidEstimatesError,
@@ -19,23 +14,28 @@ from maskval.errors import (
     MissingRendererError,
 )
 from maskval.estimates import Estimates, Needs, UncertaintyMethod, needs_of
-from maskval.evaluation import NO_PART, Counting, Evaluation, ImageErrors, match_images
+from maskval.evaluation.matching import NO_PART, Counting, Evaluation, ImageErrors, match_images
+from maskval.evaluation.metrics import RecallCurve, rates, recall_curve
+from maskval.evaluation.ranking import aurc, auroc, bootstrap_interval, spearman
+from maskval.evaluation.summary import Measured, Summary, Threshold, summarise
+from maskval.evaluation.thresholds import Certificate, certified_threshold, conformal_threshold, paper_threshold
+from maskval.evaluation.visible_surface import vsd
 from maskval.geometry import Pose, angle_between
 from maskval.intervals import bootstrap_mean_interval, mean_interval, proportion_interval
-from maskval.mask_agreement import MaskVal, Uncertainties, maskval_uncertainty, uncertainty
 from maskval.masks import PackedMasks, mask_from_rle, mask_iou, rle_counts
 from maskval.mesh import Mesh
 from maskval.methods import METHODS
-from maskval.metrics import RecallCurve, rates, recall_curve
-from maskval.outline_agreement import ContourDistance, chamfer_distance
-from maskval.pose_error import add, add_s, mdd, mspd, mssd, rotation_error, translation_error
-from maskval.ranking import aurc, auroc, bootstrap_interval, spearman
-from maskval.silhouettes import Silhouette, silhouette, silhouette_boxes, silhouette_iou
-from maskval.summary import Measured, Summary, Threshold, summarise
+from maskval.methods.baselines import DetectorScore, NoUncertainty, RandomUncertainty
+from maskval.methods.combined import Combined
+from maskval.methods.depth_agreement import DepthConsistency
+from maskval.methods.ensemble import Ensemble
+from maskval.methods.mask_agreement import MaskVal, Uncertainties, maskval_uncertainty, uncertainty
+from maskval.methods.outline_agreement import ContourDistance, chamfer_distance
+from maskval.methods.view_agreement import TemporalConsistency
+from maskval.pose_errors import add, add_s, mdd, mspd, mssd, rotation_error, translation_error
+from maskval.rendering.depth import DepthCrop, depth_crop, depth_image
+from maskval.rendering.silhouettes import Silhouette, silhouette, silhouette_boxes, silhouette_iou
 from maskval.symmetry import SymmetryAxis, symmetry_poses
-from maskval.thresholds import Certificate, certified_threshold, conformal_threshold, paper_threshold
-from maskval.view_agreement import TemporalConsistency
-from maskval.visible_surface import vsd
 
 __all__ = [
     "METHODS",

@@ -34,4 +34,4 @@ class InvalidFileError(MaskvalError, ValueError):
 
 
 class MissingRendererError(MaskvalError, ImportError):
-    """pyrender, or OpenGL without a screen, which only `maskval.render` needs, is not there."""
+    """pyrender, or OpenGL without a screen, which only `maskval.rendering.render` needs, is not there."""

@@ -6,12 +6,15 @@ import numpy as np
 
 from cell.grasping import look_at
 from cell.interfaces import Observation
-from cell.search import REFINE_DISTANCE
 from cell.setup import PolicySetup
 from cell.ur10 import inverse_on_branch
+from cell.viewpoints import REFINE_DISTANCE
 from maskval import Pose
 
-TILTS_DEG = (20.0, 35.0)  # from the vertical; errors of pose networks hardly correlate beyond 30°, see sim.latents
+TILTS_DEG = (
+    20.0,
+    35.0,
+)  # from the vertical; errors of pose networks hardly correlate beyond 30°, see sim.networks.view_noise
 SIDES = 8  # directions of tilting, evenly around the part
 
 

@@ -1,6 +1,6 @@
 """An error model of round numbers, so that tests state what follows from them, whatever the package's are fitted to."""
 
-from sim.noise import load_noise
+from sim.networks.noise_model import load_noise
 
 ROUND = load_noise("antenna").changed(
     {

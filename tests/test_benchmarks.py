@@ -5,7 +5,7 @@ import pytest
 
 from benchmarks.experiment import STAGES
 from benchmarks.mechanics import ObservedStation, subject
-from sim.station import SimStation
+from sim.runtime.station import SimStation
 
 
 @pytest.mark.parametrize("stage", STAGES)

@@ -15,11 +15,11 @@ from experiments.calibration.images import ImageSet, Trial, run_trial
 from experiments.calibration.noise_file import rewrite
 from experiments.calibration.report import Fitted, Member, as_json, format_report
 from experiments.calibration.targets import GROUPS, Calibration, Prior, Target, load_calibration, values_at
-from experiments.checks import writable_folder
-from experiments.pool import Run, workers
-from experiments.provenance import manifest, write_json
-from sim.noise import PartNoise, load_noise, noise_text
-from sim.parts import load_part
+from experiments.results.provenance import manifest, write_json
+from experiments.setup.checks import writable_folder
+from experiments.setup.pool import Run, workers
+from sim.model.parts import load_part
+from sim.networks.noise_model import PartNoise, load_noise, noise_text
 
 DETECTOR_IMAGES = 2_000  # are enough for mask figures, which are far steadier than those of poses
 UNREACHED = 100.0  # misses in sd of a figure that does not exist, so that the fit turns back

@@ -5,8 +5,8 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-from experiments.checks import all_at_least, worker_count
 from experiments.errors import UsageError
+from experiments.setup.checks import all_at_least, worker_count
 
 
 @dataclass(frozen=True)
@@ -50,8 +50,8 @@ class Calibrate:
         """
         from experiments.calibration.targets import load_calibration
         from sim.errors import SimError
-        from sim.noise import load_noise
-        from sim.parts import load_part
+        from sim.model.parts import load_part
+        from sim.networks.noise_model import load_noise
 
         all_at_least(self, images=1, seed=0, rounds=1, draws=0, jobs=0)
         try:

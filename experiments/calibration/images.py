@@ -16,12 +16,12 @@ from experiments.dataset.coco import Annotations, MaskFigures, mask_figures
 from experiments.dataset.metrics import Figures, figures, from_least
 from experiments.dataset.rules import ANNOTATED_VISIBILITY, Rules
 from maskval import ImageErrors, PackedMasks, add, match_images, mdd, uncertainty
-from sim.dataset import ImageTruth, Recipe, make_image
-from sim.dataset_estimates import ImageLatents, detect, draw_latents, estimate
-from sim.latents import Streams
-from sim.noise import MaskNoise, PartNoise, PoseNoise
-from sim.part_numbers import NOTHING, PIXEL_CENTER
-from sim.parts import load_part
+from sim.images.test_image_estimates import ImageLatents, detect, draw_latents, estimate
+from sim.images.test_images import ImageTruth, Recipe, make_image
+from sim.instance_ids import NOTHING, PIXEL_CENTER
+from sim.model.parts import load_part
+from sim.networks.noise_model import MaskNoise, PartNoise, PoseNoise
+from sim.networks.random_streams import Streams
 
 Mask = NDArray[np.bool_]
 

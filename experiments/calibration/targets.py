@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from experiments.errors import UsageError
 from sim.errors import NoiseFileError
-from sim.noise import PartNoise, bounds
+from sim.networks.noise_model import PartNoise, bounds
 
 FIGURES = {  # by group of targets: what `graspcell dataset` prints
     "mask": ("ap_50_95", "ap_50", "ar_100"),

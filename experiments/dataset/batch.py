@@ -12,16 +12,16 @@ from cell.layout import default_camera
 from cell.part import Part
 from experiments.dataset.coco import Annotations, Matches
 from experiments.errors import UsageError
-from experiments.methods import Context, make_uncertainty
-from experiments.thresholds import Thresholds
+from experiments.setup.methods import Context, make_uncertainty
+from experiments.setup.thresholds import Thresholds
 from maskval import Camera, Estimates, Mesh, UncertaintyMethod, add, mdd, needs_of
-from sim.dataset import ImageTruth, Recipe, draw_nearest, make_image
-from sim.dataset_estimates import NETWORKS, ImageEstimates, estimate_image
-from sim.latents import Streams
-from sim.noise import load_noise
-from sim.part_numbers import NOTHING, PIXEL_CENTER
-from sim.parts import load_part
-from sim.truth import FrameTruth, TruthBooth
+from sim.images.test_image_estimates import NETWORKS, ImageEstimates, estimate_image
+from sim.images.test_images import ImageTruth, Recipe, draw_nearest, make_image
+from sim.instance_ids import NOTHING, PIXEL_CENTER
+from sim.model.parts import load_part
+from sim.networks.ground_truth import FrameTruth, TruthBooth
+from sim.networks.noise_model import load_noise
+from sim.networks.random_streams import Streams
 
 METHODS = ("maskval", "ensemble-add", "oracle-mask", "oracle-mdd", "random")  # unless others are asked for
 

@@ -22,7 +22,7 @@ from experiments.dataset.metrics import (
 )
 from experiments.dataset.rules import Rules
 from maskval import Evaluation
-from maskval.metrics import Mean, sweep
+from maskval.evaluation.metrics import Mean, sweep
 
 _TOGETHER = 25  # samples in memory at a time
 

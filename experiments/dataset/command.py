@@ -5,7 +5,6 @@ from contextlib import closing
 
 from tqdm import tqdm
 
-from experiments.checks import writable_folder
 from experiments.dataset.batch import BatchTask, Judged, run_batch
 from experiments.dataset.coco import Matches
 from experiments.dataset.config import Dataset
@@ -13,10 +12,11 @@ from experiments.dataset.metrics import Figures
 from experiments.dataset.report import format_alternatives, format_tables
 from experiments.dataset.score import Scored, alternatives, score
 from experiments.dataset.thresholds import thresholds_toml
-from experiments.pool import run_all
-from experiments.provenance import manifest, write_json
-from sim.dataset import Recipe
-from sim.parts import load_part
+from experiments.results.provenance import manifest, write_json
+from experiments.setup.checks import writable_folder
+from experiments.setup.pool import run_all
+from sim.images.test_images import Recipe
+from sim.model.parts import load_part
 
 
 def dataset(config: Dataset) -> int:

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import tyro
 
-from experiments.checks import all_at_least, worker_count, writable_folder
 from experiments.dataset.rules import ANNOTATED_VISIBILITY, Rules
 from experiments.errors import UsageError
+from experiments.setup.checks import all_at_least, worker_count, writable_folder
 
 CountingRules = tyro.conf.OmitArgPrefixes[Rules]  # --averaging, not --rules.averaging
 
@@ -67,7 +67,7 @@ class Dataset:
     @property
     def named_methods(self) -> tuple[str, ...]:
         """The methods, with "all" for every one that can judge a single image."""
-        from experiments.methods import METHODS
+        from experiments.setup.methods import METHODS
 
         every = tuple(name for name in METHODS if name not in ("none", "temporal"))
         return every if list(self.methods) == ["all"] else self.methods
@@ -90,10 +90,10 @@ class Dataset:
         """
         from experiments.dataset.batch import make_uncertainties
         from sim.errors import SimError
-        from sim.latents import Streams
-        from sim.noise import load_noise
-        from sim.parts import load_part
-        from sim.truth import TruthBooth
+        from sim.model.parts import load_part
+        from sim.networks.ground_truth import TruthBooth
+        from sim.networks.noise_model import load_noise
+        from sim.networks.random_streams import Streams
 
         all_at_least(self, images=1, seed=0, jobs=0, resamples=1)
         if not 0 <= self.annotated_visibility <= 1:

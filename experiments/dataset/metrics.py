@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from experiments.dataset.batch import Judged
 from experiments.dataset.rules import Choice, Range, Rules
 from maskval import Evaluation, ImageErrors, match_images, spearman
-from maskval.ensemble import ENSEMBLE_MAXIMUM_M
-from maskval.metrics import DEMANDED_AP, MAXIMUM_ERROR_M, ROUNDING, Mean, sweep
+from maskval.evaluation.metrics import DEMANDED_AP, MAXIMUM_ERROR_M, ROUNDING, Mean, sweep
+from maskval.methods.ensemble import ENSEMBLE_MAXIMUM_M
 
 ERROR_THRESHOLD = 15  # index of the paper's e_t for its robot, 15 mm
 ERRORS_M = np.linspace(0.0, MAXIMUM_ERROR_M, 31)

@@ -37,7 +37,7 @@ class Rules:
 
     @property
     def counting(self) -> Counting:
-        """What of it `maskval.metrics` knows."""
+        """What of it `maskval.evaluation.metrics` knows."""
         return Counting(self.averaging, self.empty_images, self.false_negatives)
 
 

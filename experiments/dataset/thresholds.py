@@ -5,8 +5,8 @@ import re
 from collections.abc import Sequence
 
 from experiments.dataset.score import Scored
-from experiments.methods import NEEDS_NO_THRESHOLD
-from experiments.thresholds import load_thresholds
+from experiments.setup.methods import NEEDS_NO_THRESHOLD
+from experiments.setup.thresholds import load_thresholds
 
 _RULE = """\
 # u_t,g by object and method: the largest u at which the poses kept have AP >= 0.99 at e_t = 15 mm, on generated test

@@ -4,16 +4,16 @@ from collections.abc import Iterator, Sequence
 from itertools import chain, product
 from typing import Any
 
-from experiments.checks import writable_folder
-from experiments.paired import Paired, format_paired, pair
-from experiments.paper import ROBOT_TABLE
 from experiments.prediction.cells import PredictedCell, Rate, agreement, predict_cell
 from experiments.prediction.config import Predict
 from experiments.prediction.counting import count_all
 from experiments.prediction.variants import VARIANTS
 from experiments.prediction.worlds import Noise, Setting, world_of
-from experiments.provenance import manifest, write_json
-from experiments.thresholds import load_thresholds
+from experiments.results.paired import Paired, format_paired, pair
+from experiments.results.paper import ROBOT_TABLE
+from experiments.results.provenance import manifest, write_json
+from experiments.setup.checks import writable_folder
+from experiments.setup.thresholds import load_thresholds
 
 FITTED = "none"  # the method whose row of the robot table the gap is fitted to
 _COLUMN = 27

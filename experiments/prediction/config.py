@@ -5,8 +5,8 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-from experiments.checks import all_at_least, one_of, worker_count
 from experiments.errors import UsageError
+from experiments.setup.checks import all_at_least, one_of, worker_count
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ class FitGap:
         Raises:
             UsageError: says which and why.
         """
-        from experiments.paper import ROBOT_TABLE
+        from experiments.results.paper import ROBOT_TABLE
 
         one_of("--part", self.part, tuple(dict.fromkeys(part for part, _ in ROBOT_TABLE)))
         all_at_least(self, experiments=2, draws=1, seed=0, jobs=0)
@@ -87,9 +87,9 @@ class Predict:
         Raises:
             UsageError: says which and why.
         """
-        from experiments.methods import METHODS
-        from experiments.paper import ROBOT_TABLE
         from experiments.prediction.variants import VARIANTS
+        from experiments.results.paper import ROBOT_TABLE
+        from experiments.setup.methods import METHODS
 
         for variant in self.variants:
             one_of("--variants", variant, ("all", *VARIANTS))

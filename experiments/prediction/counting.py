@@ -8,8 +8,8 @@ from tqdm import tqdm
 
 from cell.records import Count
 from experiments.errors import ExperimentsFailedError
-from experiments.experiment import ExperimentSpec, run_experiment
-from experiments.pool import run_all
+from experiments.setup.experiment import ExperimentSpec, run_experiment
+from experiments.setup.pool import run_all
 
 
 def count_all(specs: Sequence[ExperimentSpec], jobs: int, description: str) -> list[Count]:

@@ -12,7 +12,7 @@ from importlib.resources import files
 from pathlib import Path
 
 from experiments.errors import UsageError
-from sim.noise import PartNoise
+from sim.networks.noise_model import PartNoise
 
 _PRESETS = files("experiments") / "presets" / "gaps"
 

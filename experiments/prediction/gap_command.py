@@ -3,16 +3,16 @@
 import numpy as np
 
 from cell.records import Count
-from experiments.checks import writable_folder
-from experiments.paper import ROBOT_TABLE
 from experiments.prediction.config import FitGap
 from experiments.prediction.counting import count_all
 from experiments.prediction.gap_fit import GapFit, design, fit_gap
 from experiments.prediction.worlds import Setting, load_ensemble, taken, world
-from experiments.provenance import manifest, write_json
-from experiments.thresholds import load_thresholds
-from sim.noise import load_noise
-from sim.parts import load_part
+from experiments.results.paper import ROBOT_TABLE
+from experiments.results.provenance import manifest, write_json
+from experiments.setup.checks import writable_folder
+from experiments.setup.thresholds import load_thresholds
+from sim.model.parts import load_part
+from sim.networks.noise_model import load_noise
 
 
 def gap(config: FitGap) -> int:

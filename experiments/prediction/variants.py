@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from experiments.prediction.worlds import Setting
-from experiments.thresholds import load_thresholds
+from experiments.setup.thresholds import load_thresholds
 
 Variant = Callable[[Setting], Setting]
 

@@ -8,12 +8,12 @@ from importlib.resources import files
 from typing import Any
 
 from experiments.errors import UsageError
-from experiments.experiment import ExperimentSpec
 from experiments.prediction.gap import Gap, load_gaps
-from experiments.thresholds import Thresholds
+from experiments.setup.experiment import ExperimentSpec
+from experiments.setup.thresholds import Thresholds
 from sim.errors import NoiseFileError
-from sim.noise import PartNoise, load_noise
-from sim.parts import load_part
+from sim.model.parts import load_part
+from sim.networks.noise_model import PartNoise, load_noise
 
 _ENSEMBLES = files("sim") / "assets" / "noise"
 

@@ -10,15 +10,15 @@ from pathlib import Path
 from tqdm import tqdm
 
 from cell.layout import default_camera
-from experiments.pool import run_all
-from experiments.provenance import manifest, write_json
 from experiments.rendering.config import IMAGES_PER_SCENE, RenderDataset
 from experiments.rendering.files import Labels, targets, write_model, write_picture, write_scene
+from experiments.results.provenance import manifest, write_json
+from experiments.setup.pool import run_all
 from maskval import bop
 from sim.errors import DivergenceError
-from sim.latents import Streams
-from sim.parts import load_part
-from sim.pictures import STYLES
+from sim.images.pictures import STYLES
+from sim.model.parts import load_part
+from sim.networks.random_streams import Streams
 
 FAILED = 1  # the exit code
 

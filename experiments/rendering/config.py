@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from experiments.checks import all_at_least, worker_count, writable_folder
 from experiments.errors import UsageError
+from experiments.setup.checks import all_at_least, worker_count, writable_folder
 
 IMAGES_PER_SCENE = 1000  # as in BOP's rendered training images; one scene's annotations are held in memory at a time
 _BATCH = 10  # images that a worker makes at a time; divides IMAGES_PER_SCENE
@@ -57,7 +57,7 @@ class RenderDataset:
             UsageError: says which and why.
         """
         from sim.errors import SimError
-        from sim.parts import load_part
+        from sim.model.parts import load_part
 
         all_at_least(self, images=1, seed=0, jobs=0)
         if not 0 <= self.textured <= 1:

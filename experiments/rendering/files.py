@@ -8,11 +8,11 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from experiments.provenance import write_json
+from experiments.results.provenance import write_json
 from maskval import Camera, Mesh, bop, silhouette, silhouette_boxes
 from maskval.symmetry import right_angle_symmetries
-from sim.part_numbers import PIXEL_CENTER
-from sim.pictures import LabelledPicture
+from sim.images.pictures import LabelledPicture
+from sim.instance_ids import PIXEL_CENTER
 
 OBJECT = 1  # the part's number in the dataset
 DEPTH_SCALE = 0.1  # mm for each step of the depth images, which then reach 6.5 m: farther than a room's corner

@@ -11,11 +11,11 @@ from maskval.association import Rule
 from maskval.bop.dataset import Dataset, ImageObject, MaskSource
 from maskval.bop.results import Result
 from maskval.errors import InvalidFileError, MaskvalError
-from maskval.evaluation import Evaluation, ImageErrors, match_images
+from maskval.evaluation.matching import Evaluation, ImageErrors, match_images
 from maskval.geometry import Pose
-from maskval.mask_agreement import ALPHA, uncertainty
-from maskval.pose_error import add, add_s, mdd, mssd
-from maskval.views import Canvas
+from maskval.methods.mask_agreement import ALPHA, uncertainty
+from maskval.pose_errors import add, add_s, mdd, mssd
+from maskval.rendering.views import Canvas
 
 ErrorName = Literal["mssd", "mdd", "add", "add-s"]
 

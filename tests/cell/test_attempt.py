@@ -8,8 +8,8 @@ from cell.grasping import APPROACH_LENGTH, HALF_TURN, LIFT_HEIGHT, RELEASE_GAP, 
 from cell.interfaces import Contact, Touch
 from cell.layout import Container, Layout
 from cell.motion import Motion, Unreachable
+from cell.motion_limits import PRESETS
 from cell.records import State
-from cell.speed import PRESETS
 from cell.ur10 import forward, inverse_on_branch
 from maskval import Pose
 from tests.fakes import (

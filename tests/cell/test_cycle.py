@@ -15,8 +15,8 @@ from cell.cycle import CycleConfig
 from cell.errors import CellError, EstimatorError, LayoutError, PolicyError
 from cell.interfaces import Action, Decision, Detection, Frame, Observation, Outcome, Touch
 from cell.records import Failed, Slot, State
-from cell.search import refinement_view, search_run
 from cell.ur10 import forward
+from cell.viewpoints import refinement_view, search_run
 from maskval import Pose
 from policies import Always, Threshold
 from tests.fakes import (

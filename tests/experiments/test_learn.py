@@ -8,9 +8,9 @@ from gymnasium import spaces
 
 from cell.records import Count
 from experiments import learn
-from experiments.config import Compare
+from experiments.commands.config import Compare
 from experiments.learn import HEADER, LeastUncertain, Worlds, row
-from experiments.parties import Parties
+from experiments.setup.actors import Parties
 
 N = 3
 

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from maskval import Camera, Mesh, Pose
-from sim.parts import load_part
+from sim.model.parts import load_part
 
 Arrays = tuple[NDArray[np.float64], NDArray[np.int64]]
 

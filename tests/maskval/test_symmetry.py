@@ -3,7 +3,7 @@ import pytest
 
 from maskval import Mesh, Pose, mdd
 from maskval.symmetry import right_angle_symmetries
-from sim.parts import load_part
+from sim.model.parts import load_part
 from tests.maskval import shapes
 
 

@@ -3,7 +3,7 @@ import pytest
 
 from cell.interfaces import Action, Decision
 from cell.layout import Layout
-from cell.search import search_run
+from cell.viewpoints import search_run
 from maskval import Pose, angle_between
 from policies import Fuse
 from policies.fuse import mean_pose

@@ -4,7 +4,7 @@ import pytest
 from cell.grasping import look_at
 from cell.interfaces import Action, Decision
 from cell.layout import Layout
-from cell.search import search_run
+from cell.viewpoints import search_run
 from maskval import Pose
 from policies import NextBestView, Threshold
 from policies.next_best_view import visible_errors

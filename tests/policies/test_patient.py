@@ -4,7 +4,7 @@ import pytest
 
 from cell.interfaces import Action, Decision
 from cell.layout import Layout
-from cell.search import refinement_view, search_run
+from cell.viewpoints import refinement_view, search_run
 from policies.patient import LEAST_TIME, Patient
 from tests.fakes import brick, observation, on_belt, policy_setup, turned
 

@@ -3,8 +3,8 @@ import pytest
 
 from cell.layout import Layout
 from cell.motion import Motion, Unreachable
-from cell.search import search_run
-from cell.speed import PRESETS
+from cell.motion_limits import PRESETS
+from cell.viewpoints import search_run
 from policies.views import SIDES, TILTS_DEG, views_around
 from tests.fakes import FakeStation, brick, observation, on_belt, policy_setup, turned
 

@@ -7,11 +7,11 @@ import pytest
 
 from cell.layout import Layout
 from maskval import Pose
-from sim.camera import Camera
-from sim.parts import PartModel, load_part
-from sim.station import SimStation
-from sim.truth import TruthBooth
-from sim.world import World
+from sim.model.parts import PartModel, load_part
+from sim.model.renderer import Camera
+from sim.networks.ground_truth import TruthBooth
+from sim.runtime.station import SimStation
+from sim.runtime.world import World
 
 
 def on_belt(model: PartModel, x: float, y: float, side: int = 0, yaw: float = 0.0) -> Pose:

@@ -8,7 +8,7 @@ from experiments.calibration.images import ImageSet, Trial, run_trial
 from experiments.calibration.noise_file import rewrite
 from experiments.calibration.targets import Target
 from experiments.cli import main
-from sim.noise import load_noise, noise_text, read_noise
+from sim.networks.noise_model import load_noise, noise_text, read_noise
 
 IMAGES = ImageSet("handle", seed=5, images=40)
 TARGETS = """

@@ -6,7 +6,7 @@ import pytest
 from experiments.calibration.noise_file import rewrite
 from experiments.calibration.targets import Prior, load_calibration, paper_figures, values_at
 from experiments.errors import UsageError
-from sim.noise import load_noise, noise_text, read_noise
+from sim.networks.noise_model import load_noise, noise_text, read_noise
 
 GOOD = """
 [target.maskval]

@@ -12,11 +12,11 @@ from experiments.dataset import config as dataset_config
 from experiments.dataset.batch import BatchTask, Judged, run_batch
 from experiments.dataset.coco import Matches
 from experiments.dataset.metrics import ERRORS_M
-from experiments.methods import METHODS, known_method
-from experiments.thresholds import load_thresholds
+from experiments.setup.methods import METHODS, known_method
+from experiments.setup.thresholds import load_thresholds
 from maskval import Ensemble
-from sim.noise import noise_text
-from sim.parts import load_part
+from sim.model.parts import load_part
+from sim.networks.noise_model import noise_text
 from tests.experiments.command import Told, command
 
 DEFAULT = ["maskval", "ensemble-add", "oracle-mask", "oracle-mdd", "random"]

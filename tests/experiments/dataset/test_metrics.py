@@ -8,7 +8,7 @@ from experiments.dataset.bootstrap import draw_weights, resample
 from experiments.dataset.metrics import ERRORS_M, area, chosen, curves, evaluations, figures, least_error_threshold
 from experiments.dataset.rules import ALTERNATIVES, Rules
 from maskval import Evaluation, paper_threshold, recall_curve, spearman
-from sim.part_numbers import NOTHING
+from sim.instance_ids import NOTHING
 
 METHODS = ("maskval", "ensemble-add", "oracle-mdd", "random")
 RULES = {"the defaults": Rules(), **ALTERNATIVES}

@@ -8,7 +8,7 @@ from experiments.errors import UsageError
 from experiments.prediction.gap import Gap, load_gaps
 from experiments.prediction.gap_fit import CORE_SCALES, OUTLIER_ODDS, design, fit_gap
 from experiments.prediction.worlds import load_ensemble, world
-from sim.noise import load_noise
+from sim.networks.noise_model import load_noise
 
 
 def count(tp: int, fp: int, fn: int) -> Count:

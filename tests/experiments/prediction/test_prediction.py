@@ -8,7 +8,7 @@ from experiments.cli import main
 from experiments.prediction.cells import Rate, agreement, predict_cell
 from experiments.prediction.variants import VARIANTS
 from experiments.prediction.worlds import Setting
-from experiments.thresholds import load_thresholds
+from experiments.setup.thresholds import load_thresholds
 
 
 def count(tp: int, fp: int, fn: int) -> Count:

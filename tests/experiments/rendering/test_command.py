@@ -15,11 +15,11 @@ from experiments.rendering import config as render_config
 from experiments.rendering.config import RenderDataset
 from maskval import Mesh, Pose, bop, depth_image, mask_iou
 from maskval.bop import GroundTruth, GroundTruthInfo, ImageCamera
-from sim.dataset import Recipe, make_image
 from sim.errors import DivergenceError
-from sim.latents import Streams
-from sim.parts import load_part
-from sim.pictures import LabelledPicture
+from sim.images.pictures import LabelledPicture
+from sim.images.test_images import Recipe, make_image
+from sim.model.parts import load_part
+from sim.networks.random_streams import Streams
 from tests.experiments.command import command
 from tests.maskval.rasteriser import rasterise
 

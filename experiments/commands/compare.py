@@ -1,0 +1,150 @@
+"""`graspcell compare`: the main job."""
+
+from collections.abc import Sequence
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import closing
+from dataclasses import replace
+from pathlib import Path
+
+from tqdm import tqdm
+
+from cell.records import Count
+from experiments.commands.config import Compare
+from experiments.results.paired import Paired, format_paired, pair
+from experiments.results.provenance import manifest, write_json
+from experiments.results.report import format_table
+from experiments.results.store import LogWriter
+from experiments.results.table import Cell, make_cell
+from experiments.setup.checks import FAILED, writable_folder
+from experiments.setup.experiment import ExperimentSpec, Result, run_experiment
+from experiments.setup.methods import known_method
+from experiments.setup.pool import run_all
+from policies import Threshold
+from sim.errors import SimError
+from sim.model.conditions import Conditions
+from sim.model.parts import load_part
+
+INTERRUPTED = 130  # the exit code of a command that Ctrl-C ended
+WORKER_DIED = 1
+
+
+def compare(config: Compare) -> int:
+    """Runs all experiments, prints the table and writes the results; returns the exit code.
+
+    Ctrl-C keeps what is finished: the table, the logs and the manifest are written for it. So does the death of a
+    worker process. An experiment that failed is in the table, the logs and the exit code, and ends nothing.
+
+    Raises:
+        UsageError: an argument that cannot be.
+        SimError: the cell cannot be set up.
+    """
+    specs = config.specs()
+    folder = writable_folder(config.out)
+    results, ended_early = _run(specs, config.workers, folder)
+    cells, pairs = make_cells(specs, results), make_pairs(specs, results)
+    write_json(
+        folder / "table.json",
+        {"cells": [cell.as_json() for cell in cells], "paired": [row.as_json() for row in pairs]},
+    )
+    write_json(
+        folder / "manifest.json",
+        {
+            **manifest(config),
+            "seed": config.seed,
+            "finished": len(results),
+            "planned": len(specs),
+            "u_grasp": grasp_thresholds(specs),
+        },
+    )
+    if config.parties.policy is not None:
+        print(f"policy: {config.parties.policy}")
+    as_paper = config.parties.policy is None and config.conditions == Conditions()
+    print(format_table(cells, as_paper=as_paper))
+    print(format_paired(pairs), end="\n" if pairs else "")
+    for caveat in caveats(specs):
+        print(caveat)
+    for result in results:
+        if result.failure is not None:
+            spec = result.spec
+            print(f"failed: {spec.part} × {spec.method}, experiment {spec.experiment}: {result.failure}")
+    if ended_early is not None:
+        reason, code = ended_early
+        print(f"{reason} after {len(results)} of {len(specs)} experiments; what is finished is in {folder}")
+        return code
+    print(f"results in {folder}")
+    return FAILED if any(result.failure is not None for result in results) else 0
+
+
+def _run(specs: Sequence[ExperimentSpec], workers: int, folder: Path) -> tuple[list[Result], tuple[str, int] | None]:
+    """Runs the experiments and writes their logs; what is finished, and what ended it early with which exit code."""
+    results: list[Result] = []
+    with (
+        LogWriter(folder) as logs,
+        tqdm(total=len(specs), unit="experiment", dynamic_ncols=True) as progress,
+        closing(run_all(run_experiment, specs, workers)) as stream,
+    ):
+        try:
+            for result in stream:
+                logs.write(result.tables)
+                results.append(replace(result, tables={}))
+                progress.set_postfix_str(f"{result.spec.part} × {result.spec.method}", refresh=False)
+                progress.update()
+        except KeyboardInterrupt:
+            return results, ("interrupted", INTERRUPTED)
+        except BrokenProcessPool:
+            return results, ("a worker process died (out of memory?); ended", WORKER_DIED)
+        except SimError:
+            progress.leave = False  # the error shall be the only line
+            raise
+    return results, None
+
+
+def make_cells(specs: Sequence[ExperimentSpec], results: Sequence[Result]) -> list[Cell]:
+    """One cell per object and method that has at least one result, in the order of the specs."""
+    counts: dict[tuple[str, str], list[Count | None]] = {(spec.part, spec.method): [] for spec in specs}
+    for result in results:
+        counts[result.spec.part, result.spec.method].append(result.count)
+    return [make_cell(load_part(part).part.name, method, group) for (part, method), group in counts.items() if group]
+
+
+def make_pairs(specs: Sequence[ExperimentSpec], results: Sequence[Result]) -> list[Paired]:
+    """Every method beside the reference, object by object, over the experiments that both have finished.
+
+    Experiments with one and the same error model of a domain gap are no independent ones: they are a group.
+    """
+    counts = {_place(result.spec): result.count for result in results}
+    pairs = []
+    for part in dict.fromkeys(spec.part for spec in specs):
+        groups: dict[str, dict[object, list[Count | None]]] = {}
+        for spec in specs:
+            if spec.part == part:
+                world = spec.noise or spec.experiment
+                groups.setdefault(spec.method, {}).setdefault(world, []).append(counts.get(_place(spec)))
+        pairs += pair(load_part(part).part.name, {method: list(group.values()) for method, group in groups.items()})
+    return pairs
+
+
+def _place(spec: ExperimentSpec) -> tuple[str, str, int]:
+    return spec.part, spec.method, spec.experiment
+
+
+def grasp_thresholds(specs: Sequence[ExperimentSpec]) -> dict[str, dict[str, float]]:
+    """The u_t,g in use, by object and method."""
+    found: dict[str, dict[str, float]] = {}
+    for spec in {(spec.part, spec.method): spec for spec in specs}.values():
+        part = load_part(spec.part).part
+        policy = known_method(spec.method, part, spec.thresholds).policy
+        if isinstance(policy, Threshold):
+            found.setdefault(part.name, {})[spec.method] = policy.u_grasp
+    return found
+
+
+def caveats(specs: Sequence[ExperimentSpec]) -> list[str]:
+    """A line for each u_t,g that was neither told nor derived by the rule of the others."""
+    thresholds = specs[0].thresholds
+    return [
+        f"{part} × {method}: u_t,g = {u:.3f}: {caveat}"
+        for part, row in grasp_thresholds(specs).items()
+        for method, u in row.items()
+        if (caveat := thresholds.caveat(part, method)) is not None
+    ]

@@ -1,0 +1,98 @@
+"""`graspcell run`: one experiment, told step by step."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cell.interfaces import Action, Decision
+from cell.records import AttemptRecord, Seen, Slot, State, Transition
+from experiments.commands.config import Run
+from experiments.results.provenance import manifest, write_json
+from experiments.results.store import LogWriter
+from experiments.setup.checks import FAILED, writable_folder
+from experiments.setup.experiment import run_experiment
+from maskval import mdd
+from sim.model.parts import load_part
+from sim.networks.ground_truth import TruthBooth
+
+_TOLD = (State.RETREAT, State.REFINE)  # changes of state whose reason says more than their name
+
+
+def run(config: Run) -> int:
+    """Runs the experiment and prints what happens as it happens; returns the exit code.
+
+    Raises:
+        UsageError: an argument that cannot be.
+    """
+    spec = config.spec()
+    folder = None if config.out is None else writable_folder(config.out)
+    mesh = load_part(spec.part).part.mesh
+
+    def tell(record: object, booth: TruthBooth) -> None:
+        for line in lines(record, booth, mesh.vertices):
+            print(line, flush=True)
+
+    print(f"{spec.part} × {spec.method}, experiment {spec.experiment} of seed {spec.seed}, {spec.estimator} estimators")
+    result = run_experiment(spec, tell)
+    if folder is not None:
+        with LogWriter(folder) as logs:
+            logs.write(result.tables)
+        write_json(folder / "manifest.json", {**manifest(config), "seed": config.seed})
+    if result.count is None:
+        print(f"failed: {result.failure}")
+        return FAILED
+    count = result.count
+    print(
+        f"{count.tp} placed (TP), {count.fp} failed (FP), {count.fn} left on the belt (FN), {count.void} void, "
+        f"{count.unreachable} unreachable, {count.timeouts} time-outs, in {count.duration:.1f} s"
+    )
+    return 0
+
+
+def lines(record: object, booth: TruthBooth, vertices_O: NDArray[np.float64]) -> list[str]:
+    """What a record says to a person; errors against the truth are marked as such."""
+    match record:
+        case Seen():
+            return _seen_lines(record, booth, vertices_O)
+        case AttemptRecord():
+            cause = f" ({record.contact.force:.0f} N in {record.last_state})" if record.contact else ""
+            grasp = f"grasp {record.grasp}" if record.grasp else "no grasp"
+            return [f"{record.end:7.2f} s  attempt on detection {record.detection}, {grasp}: {record.outcome}{cause}"]
+        case Slot():
+            outcome = "time-out" if record.outcome is None else record.outcome
+            return [f"{record.end:7.2f} s  part {record.index + 1}: {outcome} after {record.end - record.start:.1f} s"]
+        case Transition() if record.target in _TOLD or _is_second_thought(record):
+            return [f"{record.time:7.2f} s  {record.target}: {record.reason}"]
+    return []
+
+
+def _is_second_thought(change: Transition) -> bool:
+    """Whether it is about a decision that was told already: what a second look taught, or why there is none."""
+    return change.target is State.DECIDE and change.source is not State.LOOK
+
+
+def _seen_lines(seen: Seen, booth: TruthBooth, vertices_O: NDArray[np.float64]) -> list[str]:
+    observation, decision = seen.observation, seen.decision
+    frame = observation.frame
+    truth = booth.of(frame)
+    what = "second look" if observation.refining else "look"
+    told = [f"{frame.time:7.2f} s  {what}, frame {frame.index}: {len(observation.detections)} detections"]
+    for index, detection in enumerate(observation.detections):
+        part = truth.part_of(detection)
+        error = "shows no part"
+        if part is not None:
+            distance = mdd(observation.poses[0][index], truth.X_CO_true[part], vertices_O)
+            error = f"part {part}, true error {1000 * distance:.1f} mm"
+        told.append(
+            f"             detection {index}: {int(detection.mask.sum())} px, score {detection.score:.2f}, "
+            f"u = {observation.uncertainties[index]:.3f} ({error})"
+        )
+    told.append(f"             decision: {_in_words(decision)}")
+    return told
+
+
+def _in_words(decision: Decision) -> str:
+    if decision.detection is None:
+        return decision.action.value
+    missed = decision.action is Action.SEARCH
+    bound = "" if decision.threshold is None else f", u {'>' if missed else '≤'} {decision.threshold:g}"
+    return f"{decision.action}{', best was' if missed else ''} detection {decision.detection}{bound}"

@@ -1,0 +1,97 @@
+"""What one method does better than another on the same experiments: differences within them, not between averages."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from statistics import fmean
+from typing import Any
+
+from cell.records import Count
+from experiments.results.table import Interval
+from maskval import mean_interval
+
+REFERENCE = "maskval"  # what the others are held against, if it is among them
+
+Counts = Mapping[str, Sequence[Sequence[Count | None]]]  # by method: of each group of experiments; None failed
+
+
+@dataclass(frozen=True, slots=True)
+class Paired:
+    """How many parts more than the reference a method places and fails, per experiment; the names are table.json's.
+
+    Attributes:
+        object: name of the part.
+        method: name of the method.
+        reference: name of the other one.
+        experiments: how many have a result with both.
+        placed: mean difference of TP, over groups.
+        placed_ci: its 95 % interval; None of fewer than two groups of experiments, or if all differ by the same.
+        failed: mean difference of FP, over groups.
+        failed_ci: its 95 % interval.
+    """
+
+    object: str
+    method: str
+    reference: str
+    experiments: int
+    placed: float
+    placed_ci: Interval | None
+    failed: float
+    failed_ci: Interval | None
+
+    def as_json(self) -> dict[str, Any]:
+        """As it stands in table.json."""
+        return asdict(self)
+
+
+def pair(part: str, counts: Counts) -> list[Paired]:
+    """Every other method beside `REFERENCE`, or beside the first; none where no experiment has a result with both.
+
+    Args:
+        part: Name of the part.
+        counts: By method, the same groups of the same experiments. Groups are independent of one another: each an
+            experiment of its own, or those of one world.
+    """
+    reference = REFERENCE if REFERENCE in counts else next(iter(counts))
+    rows = []
+    for method in counts:
+        groups = [_both(ours, theirs) for ours, theirs in zip(counts[method], counts[reference], strict=True)]
+        if method == reference or not any(groups):
+            continue
+        placed = [fmean(ours.tp - theirs.tp for ours, theirs in group) for group in groups if group]
+        failed = [fmean(ours.fp - theirs.fp for ours, theirs in group) for group in groups if group]
+        rows.append(
+            Paired(
+                object=part,
+                method=method,
+                reference=reference,
+                experiments=sum(map(len, groups)),
+                placed=fmean(placed),
+                placed_ci=mean_interval(placed),
+                failed=fmean(failed),
+                failed_ci=mean_interval(failed),
+            )
+        )
+    return rows
+
+
+def format_paired(rows: Sequence[Paired]) -> str:
+    """A line per row, beneath the table; nothing without rows."""
+    if not rows:
+        return ""
+    lines = [f"parts per experiment, less those of {rows[0].reference} in the same experiments [95 %]"]
+    widths = [max(len(getattr(row, name)) for row in rows) for name in ("object", "method")]
+    for row in rows:
+        lines.append(
+            f"{row.object:{widths[0]}}  {row.method:{widths[1]}}  placed {_difference(row.placed, row.placed_ci)}  "
+            f"failed {_difference(row.failed, row.failed_ci)}  {row.experiments:4} runs"
+        )
+    return "\n".join(lines)
+
+
+def _both(ours: Sequence[Count | None], theirs: Sequence[Count | None]) -> list[tuple[Count, Count]]:
+    return [(a, b) for a, b in zip(ours, theirs, strict=True) if a is not None and b is not None]
+
+
+def _difference(mean: float, interval: Interval | None) -> str:
+    ends = "[–]" if interval is None else f"[{interval[0]:+.2f}, {interval[1]:+.2f}]"
+    return f"{mean:+.2f} {ends:16}"

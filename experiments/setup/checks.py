@@ -1,0 +1,83 @@
+"""Checks of what a person sets on the command line; each failure is one line that says what is valid."""
+
+# ruff: noqa: PLC0415  # the engine is loaded when a job begins: --help does not wait for it, nor need OpenGL
+
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from experiments.errors import UsageError
+
+if TYPE_CHECKING:
+    from experiments.setup.thresholds import Thresholds
+
+FAILED = 3  # exit code of a command whose experiments, or some of them, failed
+_MOST = 2**31 - 1  # what the logs' columns hold
+
+
+def check_cell(parts: int, seed: int, speed: str) -> None:
+    """Raises UsageError unless the cell can be run like this."""
+    from cell.layout import Container
+    from cell.motion_limits import PRESETS
+
+    container = Container()
+    slots = container.rows * container.columns
+    if not 1 <= parts <= slots:
+        raise UsageError(f"expected --parts in 1..{slots}, the container's slots, got {parts}")
+    at_least("--seed", seed, 0)
+    one_of("--speed", speed, tuple(PRESETS))
+
+
+def check_part_and_method(part: str, method: str, thresholds: "Thresholds") -> str:
+    """The part's name; raises UsageError unless part, error model, method and threshold exist."""
+    from experiments.setup.methods import known_method
+    from sim.errors import SimError
+    from sim.model.parts import load_part
+    from sim.networks.noise_model import load_noise
+
+    try:
+        model = load_part(part)
+        load_noise(model.noise)
+    except SimError as error:
+        raise UsageError(str(error)) from error
+    known_method(method, model.part, thresholds)
+    return model.part.name
+
+
+def at_least(name: str, value: int, least: int) -> None:
+    """Raises UsageError unless the option's value is within what the logs' columns hold."""
+    if not least <= value <= _MOST:
+        raise UsageError(f"expected {name} of at least {least} and at most {_MOST}, got {value}")
+
+
+def all_at_least(config: object, **least: int) -> None:
+    """Raises UsageError unless each of these options, named by its field, is within what the logs' columns hold."""
+    for name, value in least.items():
+        at_least(f"--{name.replace('_', '-')}", getattr(config, name), value)
+
+
+def one_of(name: str, value: str, valid: tuple[str, ...]) -> None:
+    """Raises UsageError unless the option's value is one of the valid ones."""
+    if value not in valid:
+        raise UsageError(f"unknown {name.removeprefix('--')} {value!r}: expected one of {', '.join(valid)}")
+
+
+def writable_folder(folder: Path) -> Path:
+    """The folder, made if missing and tried out.
+
+    Raises:
+        UsageError: it cannot be written to.
+    """
+    probe = folder / ".graspcell-probe"
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        probe.touch()
+        probe.unlink()
+    except OSError as error:
+        raise UsageError(f"cannot write to {folder}: {error.strerror or error}; expected a writable folder") from error
+    return folder
+
+
+def worker_count(jobs: int) -> int:
+    """Processes to use for a number of jobs, of which 0 means one per core."""
+    return jobs or os.cpu_count() or 1

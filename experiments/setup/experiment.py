@@ -1,0 +1,153 @@
+"""One experiment: a belt of parts, one method, one result. No files, no printing: it runs in any process."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+from cell.cycle import Cycle, CycleConfig
+from cell.errors import CellError
+from cell.guards import TIME_LIMIT
+from cell.interfaces import Listener
+from cell.motion_limits import PRESETS
+from cell.records import Count
+from cell.setup import EstimatorSetup
+from cell.viewpoints import REFINE_DISTANCE
+from experiments.errors import UsageError
+from experiments.results.recorder import Recorder, Row
+from experiments.setup.estimators import choose_estimators
+from experiments.setup.methods import Context, make_method
+from experiments.setup.policies import make_policy, policy_name
+from experiments.setup.thresholds import Thresholds
+from maskval import MaskvalError
+from sim.errors import SimError
+from sim.instance_ids import PIXEL_CENTER
+from sim.model.conditions import Conditions
+from sim.model.parts import PartModel, load_part
+from sim.networks.estimators import Kind
+from sim.networks.ground_truth import TruthBooth
+from sim.networks.noise_model import load_noise
+from sim.networks.random_streams import Streams
+from sim.runtime.episode import Estimators, set_stage
+from sim.runtime.sim_cell import bench
+
+
+@dataclass(frozen=True, slots=True)
+class ExperimentSpec:
+    """Everything that one experiment's result depends on.
+
+    Attributes:
+        part: name or TOML file of the part.
+        method: name of the method.
+        estimator: noisy, oracle, replay, or `package.module:Class`.
+        thresholds: of all methods.
+        speed: name of the speed preset.
+        parts: how many lie on the belt.
+        seed: root seed.
+        experiment: number of the experiment.
+        conditions: what disturbs the cell.
+        maker_meshes: whether the arm is drawn with its maker's meshes; nothing else depends on it.
+        policy: a name of `policies.POLICIES`, `package.module:Class`, or None for the method's own.
+        recorded: the folder that is replayed.
+        time_limit: s of the wall clock that an estimator, the method or the policy has per call.
+        noise: other values of parameters of the part's error model, by "section.key".
+        refine_distance: m from the estimated part at which it is looked at again.
+        fresh_look: whether a part on a moving belt is looked at again before it is grasped.
+    """
+
+    part: str
+    method: str
+    estimator: str
+    thresholds: Thresholds
+    speed: str
+    parts: int
+    seed: int
+    experiment: int
+    conditions: Conditions = field(default_factory=Conditions)
+    maker_meshes: bool = False
+    policy: str | None = None
+    recorded: Path | None = None
+    time_limit: float = TIME_LIMIT
+    noise: tuple[tuple[str, float], ...] = ()
+    refine_distance: float = REFINE_DISTANCE
+    fresh_look: bool = True
+
+    @property
+    def cell(self) -> tuple[str, int, Conditions, bool]:
+        """What the bench depends on."""
+        return self.part, self.parts, self.conditions, self.maker_meshes
+
+
+@dataclass(frozen=True, slots=True)
+class Result:
+    """What came of an experiment: a count, or the reason why there is none; and the rows of its logs."""
+
+    spec: ExperimentSpec
+    count: Count | None
+    failure: str | None
+    tables: dict[str, list[Row]]
+
+
+def run_experiment(spec: ExperimentSpec, tell: Callable[[object, TruthBooth], None] | None = None) -> Result:
+    """Runs it to its end. A failure of estimators, physics or a policy is a result with a reason, not an exception.
+
+    Args:
+        spec: the experiment.
+        tell: is told every record as it is made, with the truth about the newest frame.
+
+    Raises:
+        SimError: the cell cannot be set up, for want of OpenGL for example.
+    """
+    model = load_part(spec.part)
+    booth = TruthBooth()
+    key = {"object": model.part.name, "method": spec.method, "experiment": spec.experiment}
+    recorder = Recorder(key, model.part, booth)
+
+    def listen(record: object) -> None:
+        recorder(record)
+        if tell is not None:
+            tell(record, booth)
+
+    # What fails here fails for every experiment, and is no result of this one.
+    bench(*spec.cell)
+    count, failure = None, None
+    try:
+        count = make_cycle(spec, model, booth, listen).run()
+    except (CellError, SimError, MaskvalError, UsageError) as error:
+        failure = f"{type(error).__name__}: {error}"
+    recorder.finish(spec.seed, spec.estimator, policy_name(spec.policy, spec.method), count, failure)
+    return Result(spec, count, failure, recorder.tables)
+
+
+def make_cycle(
+    spec: ExperimentSpec,
+    model: PartModel,
+    booth: TruthBooth,
+    listen: Listener,
+    estimators: Kind | Estimators | None = None,
+) -> Cycle:
+    """The cell, set up and reset, with everything that one experiment needs; `estimators` replace the spec's."""
+    streams = Streams(spec.seed, spec.experiment, model.part.name)
+    method = make_method(spec.method, Context(model.part, spec.thresholds, streams, booth))
+    here = bench(*spec.cell)
+    layout, part = here.world.layout, model.part
+    policy = make_policy(spec.policy, method, part, layout, spec.thresholds.refine)
+    if estimators is None:
+        setup = EstimatorSetup(part, layout.camera, PIXEL_CENTER, spec.seed, spec.experiment)
+        estimators = choose_estimators(spec.estimator, setup, spec.recorded, spec.method, spec.time_limit)
+    noise = load_noise(model.noise).changed(dict(spec.noise))
+    stage = set_stage(here, streams, booth, estimators, method.uncertainty, noise=noise)
+    return Cycle(
+        station=stage.station,
+        referee=stage.referee,
+        perception=replace(stage.perception, time_limit=spec.time_limit),
+        policy=policy,
+        layout=layout,
+        config=CycleConfig(
+            parts=spec.parts,
+            refine_distance=spec.refine_distance,
+            fresh_look=spec.fresh_look,
+            speed=PRESETS[spec.speed],
+            time_limit=spec.time_limit,
+        ),
+        listener=listen,
+    )

@@ -1,0 +1,119 @@
+"""The methods under comparison: an uncertainty and the policy that acts upon it, by name."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import maskval
+from cell.interfaces import Policy
+from cell.part import Part
+from experiments.errors import UsageError
+from experiments.setup.plugins import chosen, make_object
+from experiments.setup.thresholds import Thresholds
+from maskval import Ensemble, InvalidEstimatesError, RandomUncertainty, UncertaintyMethod, needs_of
+from policies import Always, Threshold
+from sim.networks.ground_truth import TruthBooth
+from sim.networks.oracles import OracleMask, OracleMdd
+from sim.networks.random_streams import Streams
+
+
+@dataclass(frozen=True, slots=True)
+class Context:
+    """What an uncertainty may be made from, anew for every experiment.
+
+    Attributes:
+        part: the kind of part that is looked for.
+        thresholds: of all methods.
+        streams: the root of the experiment's random numbers.
+        booth: where the truth is; for the oracles only.
+    """
+
+    part: Part
+    thresholds: Thresholds
+    streams: Streams
+    booth: TruthBooth
+
+
+@dataclass(frozen=True, slots=True)
+class Method:
+    """What decides in one experiment."""
+
+    uncertainty: UncertaintyMethod
+    policy: Policy
+
+
+def _ensemble_add(context: Context) -> UncertaintyMethod:
+    part, thresholds = context.part.name, context.thresholds
+    if part not in thresholds.ensemble_add_minimum:
+        raise UsageError(f"the thresholds {thresholds.source} have no ensemble_add_minimum_m.{part}")
+    return Ensemble("add", minimum=thresholds.ensemble_add_minimum[part])
+
+
+def _random(context: Context) -> UncertaintyMethod:
+    return RandomUncertainty(int(context.streams.generator(0, "random u").integers(2**63)))
+
+
+def _regardless(make: Callable[[], UncertaintyMethod]) -> Callable[[Context], UncertaintyMethod]:
+    return lambda _: make()
+
+
+# Of the library's, Ensemble-ADD alone is made from the experiment: its scale begins where the thresholds say.
+METHODS: dict[str, Callable[[Context], UncertaintyMethod]] = {
+    **{name: _regardless(make) for name, make in maskval.METHODS.items()},
+    "ensemble-add": _ensemble_add,
+    "random": _random,
+    "oracle-mask": lambda context: OracleMask(context.booth),
+    "oracle-mdd": lambda context: OracleMdd(context.booth),
+}
+
+NEEDS_NO_THRESHOLD = ("none",)
+
+
+def named_methods(names: Sequence[str]) -> tuple[str, ...]:
+    """The names, with "all" for every method of `METHODS`."""
+    return tuple(METHODS) if list(names) == ["all"] else tuple(names)
+
+
+def make_uncertainty(name: str, context: Context) -> UncertaintyMethod:
+    """The uncertainty of this name, or what the class `package.module:Class` gives without arguments.
+
+    Raises:
+        UsageError: there is none, or it cannot be made.
+    """
+    make = chosen("--method", name, METHODS)
+    if name in METHODS:
+        return METHODS[name](context)
+    made: UncertaintyMethod = make_object(name, make, ("__call__",))
+    try:
+        needs_of(made)
+    except InvalidEstimatesError as error:
+        raise UsageError(f"{name}: {error}") from error
+    return made
+
+
+def make_method(name: str, context: Context) -> Method:
+    """The uncertainty of this name with its policy: the paper's two thresholds; "none" always grasps.
+
+    Raises:
+        UsageError: there is none, or no threshold for it.
+    """
+    uncertainty = make_uncertainty(name, context)
+    if name in NEEDS_NO_THRESHOLD:
+        return Method(uncertainty, Always())
+    thresholds = context.thresholds
+    u_grasp = thresholds.of(context.part.name, name, own_threshold(uncertainty))
+    return Method(uncertainty, Threshold(u_grasp, thresholds.refine))
+
+
+def known_method(name: str, part: Part, thresholds: Thresholds) -> Method:
+    """The method outside of an experiment: to see whether there is one, and what it needs.
+
+    Raises:
+        UsageError: see `make_method`.
+    """
+    return make_method(name, Context(part, thresholds, Streams(0, 0, part.name), TruthBooth()))
+
+
+def own_threshold(uncertainty: UncertaintyMethod) -> float | None:
+    """The u_t,g that a method brings along as its attribute `u_grasp`, for want of a derived one."""
+    u_grasp: float | None = getattr(uncertainty, "u_grasp", None)
+    return u_grasp

@@ -1,0 +1,36 @@
+"""Which policy decides in an experiment: the method's own, one of the package's, or one from elsewhere."""
+
+from cell.interfaces import Policy
+from cell.layout import Layout
+from cell.part import Part
+from cell.setup import PolicySetup
+from experiments.setup.methods import Method
+from experiments.setup.plugins import chosen, make_object
+from policies import POLICIES, Threshold
+
+
+def policy_name(name: str | None, method: str) -> str:
+    """The name under which a policy is written down; None stands for the own one of the method of this name."""
+    return name or ("always" if method == "none" else "threshold")
+
+
+def make_policy(name: str | None, method: Method, part: Part, layout: Layout, refine: float) -> Policy:
+    """A fresh policy, that remembers nothing.
+
+    Args:
+        name: a key of `POLICIES`, `package.module:Class`, or None for the method's own.
+        method: whose uncertainties it acts upon.
+        part: the kind of part.
+        layout: the cell.
+        refine: u_t,r of a method without thresholds.
+
+    Raises:
+        UsageError: there is no such policy, or it cannot be made.
+    """
+    if name is None:
+        return method.policy
+    own = method.policy
+    u_grasp, u_refine = (own.u_grasp, own.u_refine) if isinstance(own, Threshold) else (0.0, refine)
+    factory = chosen("--policy", name, POLICIES)
+    policy: Policy = make_object(name, factory, ("decide",), PolicySetup(part, layout, u_grasp, u_refine))
+    return policy

@@ -1,0 +1,171 @@
+"""The silhouette of a mesh under a pose, and its overlap with masks."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
+from importlib import import_module
+from typing import Any, Literal, Protocol, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from maskval.camera import Camera
+from maskval.contour import ContourEdges
+from maskval.errors import InvalidMaskError
+from maskval.geometry import Pose
+from maskval.masks import PackedMasks
+from maskval.mesh import Mesh
+from maskval.rendering.views import Canvas, Views, views
+
+Implementation = Literal["numba", "numpy"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Silhouette:
+    """What a camera sees of a mesh.
+
+    Args:
+        mask: The pixels whose sampling points the mesh covers, (H, W).
+        area_px: Pixels of the whole silhouette, those outside of the image included.
+    """
+
+    mask: NDArray[np.bool_]
+    area_px: int
+
+    @property
+    def visibility(self) -> float:
+        """Share of the whole silhouette that lies inside the image, in [0, 1]; 0 for an empty one."""
+        return np.count_nonzero(self.mask) / self.area_px if self.area_px else 0.0
+
+
+def silhouette(
+    mesh: Mesh,
+    X_CO: Pose,
+    camera: Camera,
+    *,
+    pixel_center: float = 0.0,
+    canvas: Canvas = "full",
+    implementation: Implementation = "numba",
+) -> Silhouette:
+    """The silhouette of a mesh: the pixels i, j whose point (i, j) + pixel_center a face covers, exactly.
+
+    Args:
+        mesh: The object.
+        X_CO: Pose of the object in the camera frame; what is nearer than 1 mm to the camera's plane is cut off.
+        camera: Intrinsics and image size.
+        pixel_center: Where pixel i is sampled, u = i + pixel_center: 0 for OpenCV, 0.5 for OpenGL, MuJoCo and BOP.
+        canvas: Where the whole silhouette is counted: "full" (up to 16,384 px beyond the image, which only an
+            object next to the camera reaches), or "3x3" images, as BOP does.
+        implementation: "numba", or the slower "numpy" of the same result, which compiles nothing.
+    """
+    view = views(mesh.edges, (X_CO,), camera, pixel_center=pixel_center, canvas=canvas)
+    mask = np.zeros((camera.height, camera.width), dtype=np.bool_)
+    area_px = _kernel(implementation).draw(mesh.edges, view, mask)
+    mask.setflags(write=False)
+    return Silhouette(mask, area_px)
+
+
+def silhouette_iou(
+    mesh: Mesh,
+    poses: Sequence[Pose],
+    masks: NDArray[Any] | PackedMasks,
+    camera: Camera,
+    *,
+    paired: bool = False,
+    pixel_center: float = 0.0,
+    canvas: Canvas = "full",
+    implementation: Implementation = "numba",
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Intersection over union of each silhouette with each mask, and the visibility of each silhouette.
+
+    The intersection over union counts the pixels of the image only, and is 0 where silhouette and mask are both
+    empty. The visibility is the share of the whole silhouette that lies inside the image, 0 for an empty one.
+
+    Args:
+        mesh: The object.
+        poses: N poses X_CO.
+        masks: K masks, (K, H, W), bool or uint8 of 0 and 1, or packed once for many calls.
+        camera: Intrinsics and image size.
+        paired: Compare pose i with mask i only.
+        pixel_center: Where pixel i is sampled, u = i + pixel_center: 0 for OpenCV, 0.5 for OpenGL, MuJoCo and BOP.
+        canvas: Where the whole silhouette is counted: "full", or "3x3" images, as BOP does.
+        implementation: "numba", or the slower "numpy" of the same result, which compiles nothing.
+
+    Returns:
+        The intersections over union in [0, 1], (N, K), or (N,) when paired; the visibilities in [0, 1], (N,).
+
+    Raises:
+        InvalidMaskError: If masks are not binary, of another size than the image, or not as many as the poses
+            when paired.
+    """
+    packed = masks if isinstance(masks, PackedMasks) else PackedMasks.pack(masks)
+    if (packed.height, packed.width) != (camera.height, camera.width):
+        raise InvalidMaskError(
+            f"masks must have the image's size {camera.height} x {camera.width} (H x W), "
+            f"but have {packed.height} x {packed.width}"
+        )
+    if paired and len(packed) != len(poses):
+        raise InvalidMaskError(f"paired masks must be as many as the {len(poses)} poses, but are {len(packed)}")
+    view = views(mesh.edges, poses, camera, pixel_center=pixel_center, canvas=canvas)
+    areas, overlaps = _kernel(implementation).measure(mesh.edges, view, packed.words, paired)
+    whole, seen = areas.T
+    mask_areas = packed.areas_px[:, None] if paired else packed.areas_px[None]
+    unions = seen[:, None] + mask_areas - overlaps
+    iou = overlaps / np.maximum(unions, 1)
+    return (iou[:, 0] if paired else iou), seen / np.maximum(whole, 1)
+
+
+def silhouette_boxes(
+    mesh: Mesh,
+    poses: Sequence[Pose],
+    camera: Camera,
+    *,
+    inside_image: bool = False,
+    pixel_center: float = 0.0,
+    canvas: Canvas = "full",
+    implementation: Implementation = "numba",
+) -> NDArray[np.int64]:
+    """The boxes around the silhouettes: left, top, width and height, (N, 4), pixels; width 0 for an empty one.
+
+    Args:
+        mesh: The object.
+        poses: N poses X_CO.
+        camera: Intrinsics and image size.
+        inside_image: Box the part of the silhouette inside the image, not all of it.
+        pixel_center: Where pixel i is sampled, u = i + pixel_center: 0 for OpenCV, 0.5 for OpenGL, MuJoCo and BOP.
+        canvas: Where the whole silhouette is looked at: "full", or "3x3" images, as BOP does.
+        implementation: "numba", or the slower "numpy" of the same result, which compiles nothing.
+    """
+    view = views(mesh.edges, poses, camera, pixel_center=pixel_center, canvas=canvas)
+    boxes = np.zeros((len(poses), 4), dtype=np.int64)
+    for n in range(len(poses)):
+        row, start, stop = _kernel(implementation).spans(mesh.edges, view, n).T
+        if inside_image:
+            start, stop = np.maximum(start, 0), np.minimum(stop, camera.width)
+            seen = (row >= 0) & (row < camera.height) & (start < stop)
+            row, start, stop = row[seen], start[seen], stop[seen]
+        if len(row):
+            left, top = start.min(), row.min()
+            boxes[n] = left, top, stop.max() - left, row.max() + 1 - top
+    return boxes
+
+
+class _Kernel(Protocol):
+    """What both implementations offer."""
+
+    def spans(self, edges: ContourEdges, view: Views, n: int) -> NDArray[np.int64]: ...
+
+    def draw(self, edges: ContourEdges, view: Views, mask: NDArray[np.bool_]) -> int: ...
+
+    def measure(
+        self, edges: ContourEdges, view: Views, words: NDArray[np.uint64], paired: bool
+    ) -> tuple[NDArray[np.int64], NDArray[np.int64]]: ...
+
+
+@cache
+def _kernel(implementation: Implementation) -> _Kernel:
+    """The kernel's module, imported at its first use: Numba alone takes longer to import than this package."""
+    modules = {"numba": "maskval.rendering.kernels", "numpy": "maskval.rendering.reference"}
+    if implementation not in modules:
+        raise ValueError(f"implementation must be one of {sorted(modules)}, but is {implementation!r}")
+    return cast(_Kernel, import_module(modules[implementation]))

@@ -1,0 +1,1 @@
+"""The cell as Gymnasium environments: one of decisions, one of motions."""

@@ -1,0 +1,153 @@
+"""What the learning environments have in common: a world of their own, seeds, pictures and the truth for `info`."""
+
+from dataclasses import replace
+from typing import Any, Generic, SupportsFloat, TypeVar
+
+import gymnasium
+import numpy as np
+
+from cell.interfaces import Detection, Frame, Image, MaskEstimator, Observation, Outcome
+from cell.layout import Layout
+from maskval import UncertaintyMethod, mdd
+from sim.errors import EnvOptionError
+from sim.gym.observation import AllMethods, DetectionEncoder, Encoded
+from sim.gym.options import EnvOptions
+from sim.model.parts import load_part
+from sim.model.renderer import Camera
+from sim.networks.ground_truth import TruthBooth
+from sim.networks.noise_model import PartNoise, load_noise
+from sim.networks.random_streams import Streams
+from sim.runtime.episode import Stage, set_stage
+from sim.runtime.sim_cell import Bench, build_bench
+from sim.runtime.viewer import Window, has_display
+
+Action = TypeVar("Action")
+TIME_LIMIT = 3600.0  # s of the wall clock per question to a network or method: learners keep machines busy for hours
+
+Info = dict[str, Any]
+Step = tuple[Encoded, SupportsFloat, bool, bool, Info]
+
+
+class CellEnv(gymnasium.Env[Encoded, Action], Generic[Action]):
+    """An episode is one experiment: parts on the belt, each with its slot of time.
+
+    `reset(seed=s)` begins experiment 0 of seed s, every `reset()` after it the next one: the same parts in the same
+    poses, seen with the same errors, as `graspcell compare --seed s` has. `reset(options={"noise": …})` changes
+    parameters of the error model for one episode. The world is built at the first reset.
+
+    Args:
+        render_mode: None, "rgb_array" (the overview camera) or "human" (a window, in real time).
+        render_size: height and width of rendered pictures, px.
+        options: see `EnvOptions`.
+    """
+
+    def __init__(self, render_mode: str | None = None, render_size: tuple[int, int] = (480, 640), **options: Any):
+        self.options = EnvOptions(**options)
+        if render_mode not in (None, "human", "rgb_array"):
+            raise EnvOptionError(f"unknown render_mode {render_mode!r}: expected None, human or rgb_array")
+        self.render_mode, self._render_size = render_mode, render_size
+        if not has_display():  # what can be asked for here
+            self.metadata = {**self.metadata, "render_modes": ["rgb_array"]}
+        load_part(self.options.part)  # an unknown one is refused here, not at the first reset
+        self._encoder = DetectionEncoder(self.options, Layout().camera)
+        self._seed: int | None = None
+        self._experiment = 0
+        self._bench: Bench | None = None
+        self._overview: Camera | None = None
+        self._window: Window | None = None
+        self._booth = TruthBooth()
+        self._methods: dict[str, UncertaintyMethod] = {}  # of the episode
+
+    def _set_stage(self, seed: int | None, options: dict[str, Any] | None) -> Stage:
+        """Seeds the episode and begins it."""
+        noise = self._choose_experiment(seed, options or {})
+        here = self._built()
+        chosen = self.options
+        streams = Streams(self._seed or 0, self._experiment, here.world.part_model.part.name)
+        self._methods = methods = chosen.make_methods()
+        method = AllMethods(methods) if len(methods) > 1 else next(iter(methods.values()))
+        stage = set_stage(here, streams, self._booth, chosen.estimator, method, noise=noise)
+        detector = stage.perception.detector
+        if chosen.camera_images:
+            detector = WithImages(detector, chosen.camera_images)
+        return replace(stage, perception=replace(stage.perception, detector=detector, time_limit=TIME_LIMIT))
+
+    def _choose_experiment(self, seed: int | None, options: dict[str, Any]) -> PartNoise:
+        """Chooses it; returns the episode's error model."""
+        gymnasium.Env.reset(self, seed=seed)
+        if unknown := set(options) - {"experiment", "noise"}:
+            raise EnvOptionError(f"unknown reset options {', '.join(sorted(unknown))}: expected experiment, noise")
+        changed = options.get("noise", {})
+        if changed and self.options.estimator != "noisy":
+            raise EnvOptionError(f"expected no noise with the estimator {self.options.estimator}, got {changed}")
+        noise = load_noise(load_part(self.options.part).noise).changed(changed)
+        if seed is not None or self._seed is None:
+            self._seed = int(self.np_random.integers(2**32)) if seed is None else seed
+            self._experiment = -1
+        self._experiment = options.get("experiment", self._experiment + 1)
+        return noise
+
+    def _built(self) -> Bench:
+        if self._bench is None:
+            chosen = self.options
+            self._bench = build_bench(chosen.part, chosen.n_parts, chosen.conditions, False)
+            if self.render_mode == "human":
+                self._window = Window(self._bench.world)
+                self._bench.world.on_step = self._window.show
+        return self._bench
+
+    def render(self) -> Any:
+        """The cell from beside it, (H, W, 3) uint8, for "rgb_array"; None otherwise.
+
+        Raises:
+            gymnasium.error.ResetNeeded: there is no world before the first reset.
+        """
+        if self._bench is None:
+            raise gymnasium.error.ResetNeeded("there is nothing to render before the first reset")
+        world = self._bench.world
+        if self.render_mode != "rgb_array":
+            return None
+        if self._overview is None:
+            self._overview = Camera(world.model, *self._render_size)
+            self._overview.rgb(world.data, "overview")  # the first frame's shadows may differ by a grey level
+        return self._overview.rgb(world.data, "overview")
+
+    def close(self) -> None:
+        """Gives window and OpenGL contexts back; a reset builds them anew."""
+        for held in (self._window, self._overview, self._bench.camera if self._bench else None):
+            if held is not None:
+                held.close()
+        self._bench = self._overview = self._window = None
+
+    def _truth(self, observation: Observation | None = None) -> Info:
+        """Where the parts are, and which of them the newest picture's detections show with which error."""
+        world = self._built().world
+        X_BW = world.layout.X_WB.inverse()
+        told: Info = {"X_BO": np.array([(X_BW @ world.X_WO(part)).matrix for part in range(world.parts)])}
+        if observation is None:
+            return told
+        truth, vertices = self._booth.of(observation.frame), world.part_model.part.mesh.vertices
+        parts = [truth.part_of(detection) for detection in observation.detections]
+        errors = [
+            None if part is None else mdd(X_CO_est, truth.X_CO_true[part], vertices)
+            for part, X_CO_est in zip(parts, observation.poses[0], strict=True)
+        ]
+        return told | {"part": parts, "mdd_m": errors}
+
+
+def event(outcome: Outcome | None, slot: int, time: float) -> Info:
+    """What `info["events"]` tells of an outcome, None for a slot's time-out."""
+    return {"outcome": "time-out" if outcome is None else outcome.value, "slot": slot, "time": time}
+
+
+class WithImages:
+    """Implements `cell.interfaces.MaskEstimator`: another one, for whose frames more images are taken."""
+
+    def __init__(self, detector: MaskEstimator, images: frozenset[Image]) -> None:
+        self._detector = detector
+        self.images = detector.images | images
+        self.inference_time = detector.inference_time
+
+    def detect(self, frame: Frame) -> list[Detection]:
+        """See `MaskEstimator`."""
+        return list(self._detector.detect(frame))

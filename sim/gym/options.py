@@ -1,0 +1,109 @@
+"""What the learning environments may be told. No engine needed to set it."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, fields
+from math import isfinite
+from typing import get_args
+
+from cell.interfaces import Image, Outcome
+from cell.motion_limits import PRESETS
+from maskval import METHODS, UncertaintyMethod
+from sim.errors import EnvOptionError
+from sim.model.conditions import Conditions
+from sim.networks.estimators import Kind
+
+IMAGES = ("rgb", "depth", "masks")
+
+
+@dataclass(frozen=True, slots=True)
+class Rewards:
+    """The weights of a step's reward, which is the sum of what happened in it.
+
+    Attributes:
+        true_positive: for a part in its slot.
+        false_positive: for an attempt that ended in a collision, a dropped or a misplaced part.
+        second: for every second of the cell's clock.
+        invalid: for an action that the mask rules out.
+    """
+
+    true_positive: float = 1.0
+    false_positive: float = -1.0
+    second: float = -0.01
+    invalid: float = -0.1
+
+    def __post_init__(self) -> None:
+        for entry in fields(self):
+            if not isfinite(getattr(self, entry.name)):
+                raise EnvOptionError(f"expected a finite reward {entry.name}, got {getattr(self, entry.name)}")
+
+    def of(self, ends: Iterable[Outcome | None], seconds: float) -> float:
+        """What slots that ended so, None for a time-out, and the time that went by are worth."""
+        outcomes = [outcome for outcome in ends if outcome is not None]
+        return (
+            self.second * seconds
+            + self.true_positive * sum(outcome.is_true_positive for outcome in outcomes)
+            + self.false_positive * sum(outcome.is_false_positive for outcome in outcomes)
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class EnvOptions:
+    """The options of both environments, which `gymnasium.make` takes by name.
+
+    Attributes:
+        part: name or TOML file of the part.
+        n_parts: how many lie on the belt, 1 to 8; each has one slot of time.
+        slot_time: s per part.
+        methods: names out of `maskval.METHODS`, or uncertainty methods by a name of one's own.
+        estimator: "noisy" or "oracle".
+        speed: name of the speed preset.
+        conditions: what disturbs the cell.
+        rewards: the weights of the reward.
+        max_detections: how many detections an observation has room for; those of the best scores are in it.
+        images: "rgb", "depth" and "masks", whichever an observation shall hold.
+        truth: whether `info` holds the truth.
+    """
+
+    part: str = "antenna"
+    n_parts: int = 8
+    slot_time: float = 20.0
+    methods: tuple[str, ...] | Mapping[str, UncertaintyMethod] = ("maskval",)
+    estimator: Kind = "noisy"
+    speed: str = "ur-default"
+    conditions: Conditions = field(default_factory=Conditions)
+    rewards: Rewards = field(default_factory=Rewards)
+    max_detections: int = 8
+    images: tuple[str, ...] = ()
+    truth: bool = False
+
+    def __post_init__(self) -> None:
+        if self.n_parts not in range(1, 9):
+            raise EnvOptionError(f"expected n_parts of 1 to 8, got {self.n_parts}")
+        if not (isfinite(self.slot_time) and self.slot_time > 0.0):
+            raise EnvOptionError(f"expected slot_time above 0 s, got {self.slot_time}")
+        if self.max_detections < 1:
+            raise EnvOptionError(f"expected max_detections of at least 1, got {self.max_detections}")
+        if isinstance(self.methods, str) or not self.methods:
+            raise EnvOptionError(f"expected methods to be a tuple of names or a mapping, got {self.methods!r}")
+        if not isinstance(self.methods, Mapping):
+            _chosen("methods", self.methods, tuple(METHODS))
+        _chosen("images", self.images, IMAGES)
+        _chosen("estimator", (self.estimator,), get_args(Kind))
+        _chosen("speed", (self.speed,), tuple(PRESETS))
+
+    def make_methods(self) -> dict[str, UncertaintyMethod]:
+        """The methods by name, those of the library new; the first one's u is the one that the controller logs."""
+        if isinstance(self.methods, Mapping):
+            return dict(self.methods)
+        return {name: METHODS[name]() for name in self.methods}
+
+    @property
+    def camera_images(self) -> frozenset[Image]:
+        """What the camera shall deliver for the observation."""
+        return frozenset(Image(name) for name in self.images if name != "masks")
+
+
+def _chosen(name: str, chosen: tuple[str, ...], valid: tuple[str, ...]) -> None:
+    for one in (chosen,) if isinstance(chosen, str) else chosen:
+        if one not in valid:
+            raise EnvOptionError(f"unknown {name} {one!r}: expected {', '.join(valid)}")

@@ -1,0 +1,1 @@
+"""Images apart from the running cell: generated test images, and rendered pictures to train networks on."""

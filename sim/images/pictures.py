@@ -1,0 +1,146 @@
+"""Pictures of parts with their truth: a settled heap in a room (S1), or parts pasted over a background (S2)."""
+
+import math
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from maskval import Camera, Pose
+from sim.images.heap import Heap, drop
+from sim.images.photo_renderer import Photograph, photograph
+from sim.images.randomization import Dresser, lamps, room
+from sim.images.test_images import ImageTruth, Recipe, image_truth, scatter
+from sim.images.textures import Picture, background
+from sim.instance_ids import NOTHING
+from sim.model.parts import PartModel
+from sim.networks.random_streams import Streams
+
+HEAP = Recipe(parts=(2, 7), clutter=(4, 12))  # denser than what is scattered in the air, for occlusion
+_HEAP_RADIUS = (0.05, 0.30)  # m
+_ELEVATION_DEG = (25.0, 90.0)  # of the camera's axis over the floor
+_MARGIN = 0.2  # of the image, within which the part that is aimed at does not have its middle
+_LOWEST_CAMERA, _NEAREST_BODY = 0.15, 0.25  # m: the camera stands in nothing
+_ROOM_HALF_SIZE = (1.6, 2.4)  # m
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LabelledPicture:
+    """A picture and the truth about it.
+
+    Attributes:
+        rgb: (H, W, 3).
+        depth: z-depth, (H, W) m; 0 where there is only a background picture.
+        truth: parts, poses and visibility.
+        X_CW: the world, its floor z = 0, in the camera frame; None if there is no world.
+    """
+
+    rgb: Picture
+    depth: NDArray[np.float32]
+    truth: ImageTruth
+    X_CW: Pose | None
+
+
+def heap_picture(model: PartModel, camera: Camera, streams: Streams, textured: float) -> LabelledPicture:
+    """S1: parts and clutter that fell onto the floor of a room, seen from around them.
+
+    Args:
+        model: the kind of part.
+        camera: intrinsics and image size.
+        streams: the root of the picture's random numbers; the experiment is the picture's number.
+        textured: share of parts with a random texture instead of their own colour, in [0, 1].
+
+    Raises:
+        DivergenceError: no heap came to rest.
+        GraphicsError: there is no off-screen OpenGL.
+    """
+    rng = streams.generator(0, "heap picture")
+    parts, clutter = (int(rng.integers(*span, endpoint=True)) for span in (HEAP.parts, HEAP.clutter))
+    heap = drop(model, parts, clutter, rng.uniform(*_HEAP_RADIUS), rng)
+    half_size = rng.uniform(*_ROOM_HALF_SIZE, size=2)
+    X_CW = _viewpoint(model, heap, camera, half_size, rng)
+    dresser = Dresser(model, textured, rng)
+    bodies = (
+        *((model.part.mesh, X_CW @ X, part) for part, X in enumerate(heap.X_WO)),
+        *((mesh, X_CW @ X, NOTHING) for mesh, X in heap.clutter),
+    )
+    photo = photograph(dresser.dress(bodies), room(X_CW, half_size, rng), *lamps(X_CW, rng), camera)
+    truth = image_truth(photo.part_numbers, bodies, camera)
+    return LabelledPicture(expose(photo.rgb, rng), photo.depth, truth, X_CW)
+
+
+def pasted_picture(model: PartModel, camera: Camera, streams: Streams, textured: float) -> LabelledPicture:
+    """S2: parts and clutter in the air, scattered as in `sim.images.test_images`, pasted over a background picture.
+
+    Args:
+        model: the kind of part.
+        camera: intrinsics and image size.
+        streams: the root of the picture's random numbers; the experiment is the picture's number.
+        textured: share of parts with a random texture instead of their own colour, in [0, 1].
+
+    Raises:
+        GraphicsError: there is no off-screen OpenGL.
+    """
+    rng = streams.generator(0, "pasted picture")
+    bodies = scatter(model.part.mesh, camera, Recipe(), streams)
+    dressed = Dresser(model, textured, rng).dress(bodies)
+    photo = photograph(dressed, [], *lamps(_TOWARDS_CAMERA, rng), camera)
+    pasted = paste(photo, background(camera.height, camera.width, rng), rng.uniform(0.2, 0.8))
+    truth = image_truth(photo.part_numbers, bodies, camera)
+    return LabelledPicture(expose(pasted, rng), photo.depth, truth, None)
+
+
+STYLES = {"s1": heap_picture, "s2": pasted_picture}
+# A frame like W, 0.8 m before the camera, whose z axis points up and, by half, back at it: where lamps hang.
+_TOWARDS_CAMERA = Pose.from_rotvec((math.radians(120.0), 0.0, 0.0), (0.0, 0.0, 0.8))
+
+
+def paste(photo: Photograph, behind: Picture, blur_px: float) -> NDArray[np.float32]:
+    """The photograph over another picture, (H, W, 3) in [0, 255], their border blurred.
+
+    Args:
+        photo: what is in front.
+        behind: (H, W, 3).
+        blur_px: standard deviation of the blur, px.
+    """
+    front = cv2.GaussianBlur(photo.rgb, (0, 0), blur_px)
+    share = cv2.GaussianBlur(photo.coverage, (0, 0), blur_px)[..., None]
+    pasted: NDArray[np.float32] = front + (1.0 - share) * behind
+    return pasted
+
+
+def expose(rgb: NDArray[np.float32], rng: np.random.Generator) -> Picture:
+    """What a sensor makes of it, (H, W, 3): a little blur, gain, tint and noise."""
+    blurred = cv2.GaussianBlur(rgb, (0, 0), rng.uniform(0.2, 0.7))
+    gain = rng.uniform(0.8, 1.25) * rng.uniform(0.95, 1.05, 3)
+    noise = rng.standard_normal(rgb.shape, dtype=np.float32) * np.float32(rng.uniform(0.5, 4.0))
+    exposed: Picture = np.clip(np.rint(blurred * gain.astype(np.float32) + noise), 0, 255).astype(np.uint8)
+    return exposed
+
+
+def _viewpoint(model: PartModel, heap: Heap, camera: Camera, half_size: Array, rng: np.random.Generator) -> Pose:
+    """X_CW of a camera whose axis looks down, with the middle of one part somewhere in the image."""
+    middles_W = np.array([X.apply(model.part.mesh.bounds.mean(axis=0)) for X in heap.X_WO])
+    others_W = np.array([X.apply(mesh.bounds.mean(axis=0)) for mesh, X in heap.clutter]).reshape(-1, 3)
+    size = np.array((camera.width, camera.height))
+    while True:
+        z = rng.uniform(*HEAP.distance)
+        u, v = rng.uniform(_MARGIN * size, (1 - _MARGIN) * size)
+        p_C = np.array(((u - camera.cx) / camera.fx * z, (v - camera.cy) / camera.fy * z, z))
+        elevation = math.asin(rng.uniform(*np.sin(np.radians(_ELEVATION_DEG))))
+        azimuth, roll = rng.uniform(-math.pi, math.pi, 2)
+        # From a camera that looks along W's x axis with its head up, tilted down, turned about z, rolled.
+        R_WC = (
+            Pose.from_rotvec((0.0, 0.0, azimuth)).rotation
+            @ Pose.from_rotvec((0.0, elevation, 0.0)).rotation
+            @ np.array(((0.0, 0.0, 1.0), (-1.0, 0.0, 0.0), (0.0, -1.0, 0.0)))
+            @ Pose.from_rotvec((0.0, 0.0, roll)).rotation
+        )
+        p_WC = middles_W[rng.integers(len(middles_W))] - R_WC @ p_C
+        nearest = np.linalg.norm(np.concatenate((middles_W, others_W)) - p_WC, axis=1).min()
+        inside = (np.abs(p_WC[:2]) < half_size - 0.1).all()
+        if p_WC[2] >= _LOWEST_CAMERA and nearest >= _NEAREST_BODY and inside:
+            return Pose(R_WC, p_WC).inverse()

@@ -1,0 +1,106 @@
+"""What surrounds parts in a picture: their surfaces, a room, and lamps; all of it random."""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from maskval import Pose
+from sim.images.photo_renderer import DressedBody, Light, Surface, Wall
+from sim.images.test_images import Body
+from sim.images.textures import random_color, texture
+from sim.instance_ids import NOTHING
+from sim.model.parts import PartModel
+
+_BODY_TEXELS, _WALL_TEXELS = 64, 256
+_WALL_HEIGHT = 2.0  # m
+_AMBIENT = (0.20, 0.45)
+_LAMPS = (1, 3)
+_LAMP_LIGHT = (0.5, 1.1)  # of all lamps together
+_LAMP_ELEVATION_DEG = 25.0  # the least
+_LAMP_DISTANCE = (0.8, 2.0)  # m, of a spot
+
+Array = NDArray[np.float64]
+
+
+class Dresser:
+    """Gives bodies their surfaces, in the order in which it is asked.
+
+    Args:
+        model: the kind of part, with its own colour.
+        textured: share of parts with a random texture instead, in [0, 1].
+        rng: what surfaces are drawn from.
+    """
+
+    def __init__(self, model: PartModel, textured: float, rng: np.random.Generator) -> None:
+        self._model, self._textured, self._rng = model, textured, rng
+
+    def dress(self, bodies: Sequence[Body]) -> list[DressedBody]:
+        """Bodies with surfaces: `part`'s for parts, `other`'s for clutter."""
+        return [DressedBody(*body, self.other() if body[2] == NOTHING else self.part()) for body in bodies]
+
+    def part(self) -> Surface:
+        """The surface of a part: its own colour and gloss, a little varied, or a random texture."""
+        if self._rng.uniform() < self._textured:
+            return self.other()
+        color = np.array(self._model.rgba[:3]) * self._rng.uniform(0.8, 2.0) * self._rng.uniform(0.9, 1.1, 3)
+        grain = 1.0 + self._rng.normal(0.0, 0.03, (6 * _BODY_TEXELS, _BODY_TEXELS, 1))
+        picture = np.clip(255 * color * grain, 0, 255).astype(np.uint8)
+        gloss = self._rng.uniform(0.4, 1.2, 2) * (self._model.specular, self._model.shininess)
+        return Surface(picture, *np.clip(gloss, 0.0, 1.0).tolist())
+
+    def other(self) -> Surface:
+        """A random texture with random gloss."""
+        picture = texture(6 * _BODY_TEXELS, _BODY_TEXELS, self._rng)
+        return Surface(picture, *self._rng.uniform(0.0, 0.8, 2).tolist())
+
+
+def room(X_CW: Pose, half_size: Array, rng: np.random.Generator) -> list[Wall]:
+    """A floor and four walls.
+
+    Args:
+        X_CW: pose of the floor's middle, z up.
+        half_size: of the floor along W's x and y, (2,) m.
+        rng: what their pictures are drawn from.
+    """
+    x, y = half_size.tolist()
+    walls = [Wall(X_CW, (x, y), _wall_surface(rng))]
+    paper = _wall_surface(rng)
+    for side, (distance, width) in enumerate(((x, y), (y, x)) * 2):
+        turn = Pose.from_rotvec((0.0, 0.0, side * math.pi / 2))
+        # A plane that faces the room: its z axis along −x of the turned frame.
+        upright = Pose.from_rotvec((0.0, -math.pi / 2, 0.0), (distance, 0.0, _WALL_HEIGHT / 2))
+        walls.append(Wall(X_CW @ turn @ upright, (_WALL_HEIGHT / 2, width), paper))
+    return walls
+
+
+def lamps(X_CW: Pose, rng: np.random.Generator) -> tuple[Sequence[Light], float]:
+    """Lamps above the origin of W, the first one with shadows, and the light that is everywhere.
+
+    Args:
+        X_CW: pose of W, z up.
+        rng: what they are drawn from.
+    """
+    count = int(rng.integers(*_LAMPS, endpoint=True))
+    shares = rng.dirichlet(np.ones(count)) * rng.uniform(*_LAMP_LIGHT)
+    lights = []
+    for index, share in enumerate(shares):
+        height = rng.uniform(math.sin(math.radians(_LAMP_ELEVATION_DEG)), 1.0)
+        azimuth, away = rng.uniform(-math.pi, math.pi), math.sqrt(1 - height**2)
+        up_C = X_CW.rotation @ (away * math.cos(azimuth), away * math.sin(azimuth), height)
+        spot = rng.uniform() < 0.5
+        position = X_CW.translation + rng.uniform(*_LAMP_DISTANCE) * up_C if spot else None
+        warmth = rng.uniform(-0.12, 0.12)
+        lights.append(Light(-up_C, share * np.array((1 + warmth, 1.0, 1 - warmth)), position, shadow=index == 0))
+    return lights, float(rng.uniform(*_AMBIENT))
+
+
+def _wall_surface(rng: np.random.Generator) -> Surface:
+    if rng.uniform() < 0.15:
+        picture = np.broadcast_to(np.rint(255 * random_color(rng)).astype(np.uint8), (8, 8, 3)).copy()
+    else:
+        quarter = texture(_WALL_TEXELS, _WALL_TEXELS, rng)
+        half = np.concatenate((quarter, quarter[::-1]))
+        picture = np.concatenate((half, half[:, ::-1]), axis=1)  # mirrored: repeated, it has no seams
+    return Surface(picture, float(rng.uniform(0.0, 0.3)), float(rng.uniform(0.0, 0.5)))

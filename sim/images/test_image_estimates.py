@@ -1,0 +1,131 @@
+"""What the simulated networks give for a test image: the cell's error models, with new random numbers at every view."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cell.interfaces import Detection
+from maskval import Camera, Mesh, Pose
+from sim.images.test_images import ImageTruth
+from sim.instance_ids import NOTHING
+from sim.networks.mask_noise import FALSE_ALARM_COUNT, MaskLatents, false_alarm, noisy_detection
+from sim.networks.noise_model import MaskNoise, PartNoise, PoseNoise
+from sim.networks.pose_noise import PoseLatents, noisy_pose, pose_of_nothing
+from sim.networks.random_streams import Streams
+
+NETWORKS = 2  # S1 and S2
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ImageEstimates:
+    """N detections of one image and their poses.
+
+    Attributes:
+        detections: what the detector found.
+        parts: the part that each of them shows, or `NOTHING`.
+        poses: poses[e][i] is X_CO_est of detection i by network e.
+    """
+
+    detections: tuple[Detection, ...]
+    parts: tuple[int, ...]
+    poses: tuple[tuple[Pose, ...], ...]
+
+
+def estimate_image(truth: ImageTruth, mesh: Mesh, camera: Camera, noise: PartNoise, streams: Streams) -> ImageEstimates:
+    """Detections and poses of one image; an instance's errors hang on the streams and its number alone.
+
+    Args:
+        truth: The image.
+        mesh: The part.
+        camera: Intrinsics and image size.
+        noise: The part's error model.
+        streams: The root of the image's random numbers; the experiment is the image's number.
+    """
+    latents = draw_latents(truth, streams)
+    detections = detect(truth, latents, noise.mask)
+    parts = tuple(truth.shown_by(detection.mask) for detection in detections)
+    masks = {index: detection.mask for index, detection in enumerate(detections)}
+    poses = estimate(truth, latents, masks, parts, mesh=mesh, camera=camera, noise=noise.pose)
+    return ImageEstimates(detections, parts, poses)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ImageLatents:
+    """The random numbers of one image of P parts, whatever the error model's parameters.
+
+    Images of a set share no view, so that the latents of `sim.networks.view_noise` are plain normal numbers here.
+
+    Attributes:
+        mask: of each part, for the detector.
+        pose: of each part, for S1 and S2; difficulties are the detector's.
+        false_alarm: (FALSE_ALARM_COUNT,).
+        nothing: a direction in the space of quaternions for each network's pose of a false alarm, (NETWORKS, 4).
+    """
+
+    mask: tuple[MaskLatents, ...]
+    pose: tuple[PoseLatents, ...]
+    false_alarm: Array
+    nothing: Array
+
+
+def draw_latents(truth: ImageTruth, streams: Streams) -> ImageLatents:
+    """The image's random numbers: one difficulty per part for mask, S1 and S2, the rest of their own."""
+    masks, poses = [], []
+    for part in range(len(truth.X_CO_true)):
+        rng = streams.generator(part, "dataset errors")
+        difficulty = float(rng.standard_normal())
+        masks.append(MaskLatents.from_vector(difficulty, rng.standard_normal(MaskLatents.COUNT)))
+        poses.append(PoseLatents.from_vector(difficulty, rng.standard_normal(PoseLatents.COUNT)))
+    by_chance = streams.generator(0, "dataset false alarm").standard_normal(FALSE_ALARM_COUNT + 4 * NETWORKS)
+    gate, nothing = np.split(by_chance, [FALSE_ALARM_COUNT])
+    return ImageLatents(tuple(masks), tuple(poses), gate, nothing.reshape(NETWORKS, 4))
+
+
+def detect(truth: ImageTruth, latents: ImageLatents, noise: MaskNoise) -> tuple[Detection, ...]:
+    """What the detector finds in an image."""
+    found = [_detect(truth, part, one, noise) for part, one in enumerate(latents.mask)]
+    found.append(false_alarm(truth.part_numbers.shape, latents.false_alarm, noise))
+    return tuple(detection for detection in found if detection is not None)
+
+
+def estimate(
+    truth: ImageTruth,
+    latents: ImageLatents,
+    masks: Mapping[int, NDArray[np.bool_]],
+    parts: Sequence[int],
+    *,
+    mesh: Mesh,
+    camera: Camera,
+    noise: PoseNoise,
+) -> tuple[tuple[Pose, ...], ...]:
+    """poses[e][i] is X_CO_est of detection i by network e.
+
+    Args:
+        truth: The image.
+        latents: Its random numbers.
+        masks: Of the detections that show no part, by index.
+        parts: The part that each detection shows, or `NOTHING`.
+        mesh: The part.
+        camera: Intrinsics and image size.
+        noise: The parameters.
+    """
+    center_O = mesh.bounds.mean(axis=0)
+
+    def pose(network: int, index: int) -> Pose:
+        part = parts[index]
+        if part == NOTHING:
+            return pose_of_nothing(masks[index], camera, mesh, latents.nothing[network])
+        X_CO, visibility = truth.X_CO_true[part], float(truth.visibility[part])
+        return noisy_pose(X_CO, center_O, visibility, latents.pose[part], noise, network=network)
+
+    return tuple(tuple(pose(network, index) for index in range(len(parts))) for network in range(NETWORKS))
+
+
+def _detect(truth: ImageTruth, part: int, latents: MaskLatents, noise: MaskNoise) -> Detection | None:
+    visible = truth.mask(part)
+    neighbors = (truth.part_numbers != NOTHING) & ~visible
+    return noisy_detection(visible, neighbors, float(truth.visibility[part]), latents, noise)

@@ -1,0 +1,156 @@
+"""Test images without pictures: what each pixel would show of several parts among clutter, by geometry alone.
+
+Parts and clutter float at random poses in front of the camera, their middles inside the image: the nearer one hides the
+farther one, and the image's border cuts off what lies beyond. Bodies may pass through each other; only what is seen
+counts. An image is a function of the streams' seed, experiment (its number) and kind of part.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+import trimesh
+from numpy.typing import NDArray
+
+from maskval import Camera, Mesh, Pose, depth_crop, silhouette
+from sim.instance_ids import NOTHING, PIXEL_CENTER, shown_part
+from sim.networks.random_streams import Streams
+
+Array = NDArray[np.float64]
+Body = tuple[Mesh, Pose, int]  # its shape, X_CO and number
+
+
+@dataclass(frozen=True, slots=True)
+class Recipe:
+    """What an image is made of; numbers and distances are drawn uniformly between both ends.
+
+    Attributes:
+        parts: how many parts, at most 127.
+        clutter: how many other bodies.
+        distance: z of a body's middle, m.
+    """
+
+    parts: tuple[int, int] = (2, 6)
+    clutter: tuple[int, int] = (0, 4)
+    distance: tuple[float, float] = (0.4, 1.2)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ImageTruth:
+    """The truth about one image of P parts.
+
+    Attributes:
+        part_numbers: (H, W) int8, the part that each pixel shows, `NOTHING` where it shows none.
+        bodies: parts and clutter, as `draw_nearest` takes them.
+        X_CO_true: true pose of every part.
+        visibility: visible share of every part's whole silhouette: occlusion and the image's border, (P,) in [0, 1].
+        in_view: share of it inside the image, whoever hides it, (P,) in [0, 1].
+    """
+
+    part_numbers: NDArray[np.int8]
+    bodies: tuple[Body, ...]
+    X_CO_true: tuple[Pose, ...]
+    visibility: Array
+    in_view: Array
+
+    def __post_init__(self) -> None:
+        for array in (self.part_numbers, self.visibility, self.in_view):
+            array.setflags(write=False)
+
+    def mask(self, part: int) -> NDArray[np.bool_]:
+        """The pixels that show the part, (H, W)."""
+        shown: NDArray[np.bool_] = self.part_numbers == part
+        return shown
+
+    def shown_by(self, mask: NDArray[np.bool_]) -> int:
+        """The part that most of a mask's pixels show, or `NOTHING`."""
+        return shown_part(self.part_numbers, mask)
+
+
+def make_image(mesh: Mesh, camera: Camera, recipe: Recipe, streams: Streams) -> ImageTruth:
+    """One image of parts of this shape.
+
+    Args:
+        mesh: The part.
+        camera: Intrinsics and image size.
+        recipe: What the image is made of.
+        streams: The root of the image's random numbers; the experiment is the image's number.
+    """
+    bodies = scatter(mesh, camera, recipe, streams)
+    numbers, _ = draw_nearest(bodies, camera)
+    return image_truth(numbers, bodies, camera)
+
+
+def scatter(mesh: Mesh, camera: Camera, recipe: Recipe, streams: Streams) -> tuple[Body, ...]:
+    """An image's parts, numbered from 0, and then its clutter; the arguments are those of `make_image`."""
+    rng = streams.generator(0, "dataset scene")
+    parts = rng.integers(*recipe.parts, endpoint=True)
+    clutter = rng.integers(*recipe.clutter, endpoint=True)
+    poses = tuple(_anywhere(mesh, camera, recipe, rng) for _ in range(parts))
+    others = [clutter_shapes()[i] for i in rng.integers(len(clutter_shapes()), size=clutter)]
+    return (
+        *((mesh, X_CO, part) for part, X_CO in enumerate(poses)),
+        *((other, _anywhere(other, camera, recipe, rng), NOTHING) for other in others),
+    )
+
+
+def image_truth(part_numbers: NDArray[np.int8], bodies: tuple[Body, ...], camera: Camera) -> ImageTruth:
+    """The truth about an image of these bodies.
+
+    Args:
+        part_numbers: (H, W), the part that each pixel shows, `NOTHING` where it shows none.
+        bodies: The parts in the order of their numbers, and clutter.
+        camera: Intrinsics and image size.
+    """
+    parts = [(mesh, X_CO) for mesh, X_CO, number in bodies if number != NOTHING]
+    whole = [silhouette(mesh, X_CO, camera, pixel_center=PIXEL_CENTER) for mesh, X_CO in parts]
+    seen_px = np.bincount(part_numbers.ravel() + 1, minlength=len(parts) + 1)[1:]
+    return ImageTruth(
+        part_numbers=part_numbers,
+        bodies=bodies,
+        X_CO_true=tuple(X_CO for _, X_CO in parts),
+        visibility=np.minimum(1.0, seen_px / np.maximum(1, [one.area_px for one in whole])),
+        in_view=np.array([one.visibility for one in whole]),
+    )
+
+
+def draw_nearest(bodies: Sequence[Body], camera: Camera) -> tuple[NDArray[np.int8], NDArray[np.float32]]:
+    """Number and z-depth (m) of the nearest body at each pixel, (H, W); `NOTHING` and 0 where there is none.
+
+    Args:
+        bodies: Of equally near ones the first is seen.
+        camera: Intrinsics and image size.
+    """
+    nearest = np.full((camera.height, camera.width), np.inf, dtype=np.float32)
+    numbers = np.full((camera.height, camera.width), NOTHING, dtype=np.int8)
+    for mesh, X_CO, number in bodies:
+        crop = depth_crop(mesh, X_CO, camera, pixel_center=PIXEL_CENTER)
+        height, width = crop.depth.shape
+        window = (slice(crop.top, crop.top + height), slice(crop.left, crop.left + width))
+        nearer = (crop.depth > 0) & (crop.depth < nearest[window])
+        np.copyto(nearest[window], crop.depth, where=nearer)
+        numbers[window][nearer] = number
+    nearest[nearest == np.inf] = 0.0
+    return numbers, nearest
+
+
+@cache
+def clutter_shapes() -> tuple[Mesh, ...]:
+    """What stands in the way: boxes, rods, discs and balls of the parts' size and smaller."""
+    boxes = [trimesh.creation.box(size) for size in ((0.14, 0.09, 0.05), (0.20, 0.03, 0.03), (0.06, 0.06, 0.06))]
+    round_ones = [trimesh.creation.cylinder(r, height, sections=24) for r, height in ((0.015, 0.20), (0.05, 0.03))]
+    balls = [trimesh.creation.icosphere(subdivisions=2, radius=radius) for radius in (0.025, 0.045)]
+    return tuple(Mesh(shape.vertices, shape.faces) for shape in (*boxes, *round_ones, *balls))
+
+
+def _anywhere(mesh: Mesh, camera: Camera, recipe: Recipe, rng: np.random.Generator) -> Pose:
+    """A pose of uniform rotation whose middle lies in the image."""
+    z = rng.uniform(*recipe.distance)
+    v, u = rng.uniform((0.0, 0.0), (camera.height, camera.width))
+    y = (v - camera.cy) / camera.fy * z
+    x = ((u - camera.cx) * z - camera.skew * y) / camera.fx
+    quaternion = rng.normal(size=4)
+    turn = Pose.from_quaternion_wxyz(quaternion / math.sqrt(float(quaternion @ quaternion)), (x, y, z))
+    return turn @ Pose.from_translation(-mesh.bounds.mean(axis=0))

@@ -1,0 +1,1 @@
+"""The cell as a MuJoCo model: parts, robot, fixtures and conditions in, compiled model and renderer out."""

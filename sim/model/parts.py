@@ -1,0 +1,183 @@
+"""Parts as data: one TOML file per kind, checked on the way in, with everything that physics needs to know of it."""
+
+import tomllib
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import trimesh
+from numpy.typing import NDArray
+
+from cell.part import Grasp, Part
+from maskval import MaskvalError, Mesh, Pose
+from sim.errors import PartFileError
+from sim.model.part_shapes import Curves, bow_curves, convex_pieces, fin_curves, join
+
+RAREST_RESTING_POSE = 0.02  # poses less likely than this are facets of a rounded edge, on which no real part stays
+_LARGEST_PART = 0.5  # m; nothing larger fits the gripper and the belt
+_PART_FOLDER = files("sim") / "assets" / "parts"
+_GENERATORS: dict[str, Callable[..., Curves]] = {"fin": fin_curves, "bow": bow_curves}
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RestingPose:
+    """One way to lie on a flat surface: the rotation R_WO, the height of O's origin (m) and how likely it is."""
+
+    rotation: NDArray[np.float64]
+    height: float
+    probability: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PartModel:
+    """A part with its physics; `part` is what the controller may know."""
+
+    part: Part
+    pieces: tuple[trimesh.Trimesh, ...]
+    mass: float
+    center_of_mass: NDArray[np.float64]
+    inertia: NDArray[np.float64]
+    friction: float
+    rgba: tuple[float, float, float, float]
+    specular: float
+    shininess: float
+    resting_poses: tuple[RestingPose, ...]
+    noise: str
+
+
+def part_names() -> list[str]:
+    """Names of the parts that come with the package."""
+    return sorted(Path(entry.name).stem for entry in _PART_FOLDER.iterdir() if entry.name.endswith(".toml"))
+
+
+def load_part(name_or_file: str) -> PartModel:
+    """The part of this name, or of this TOML file.
+
+    Raises:
+        PartFileError: no such part, or its file or mesh is unfit; the message says why.
+    """
+    if name_or_file.endswith(".toml"):
+        path = Path(name_or_file)
+        if not path.is_file():
+            raise PartFileError(f"part file {name_or_file} does not exist")
+        return _read(path.read_text(), path.parent, name_or_file)
+    if name_or_file not in part_names():
+        raise PartFileError(
+            f"unknown object {name_or_file!r}: expected one of {', '.join(part_names())}, or the path of a .toml file"
+        )
+    return _read((_PART_FOLDER / f"{name_or_file}.toml").read_text(), Path(), name_or_file)
+
+
+def _read(text: str, folder: Path, source: str) -> PartModel:
+    try:
+        return _build(tomllib.loads(text), folder, source)
+    except KeyError as missing:
+        raise PartFileError(f"{source}: the key {missing} is missing") from missing
+    except (tomllib.TOMLDecodeError, MaskvalError, TypeError, ValueError) as error:
+        raise error if isinstance(error, PartFileError) else PartFileError(f"{source}: {error}") from error
+
+
+def _build(table: dict[str, Any], folder: Path, source: str) -> PartModel:
+    mesh, pieces = _shape(table["mesh"], folder)
+    check_mesh(mesh, source)
+    mass = _positive("mass_kg", table["mass_kg"])
+    mesh.density = mass / mesh.volume
+    slot_x, slot_y = _vector("slot.size_mm", table["slot"]["size_mm"], 2) / 1000.0
+    red, green, blue, alpha = _vector("rgba", table["rgba"], 4)
+    return PartModel(
+        part=Part(
+            name=table["name"],
+            mesh=Mesh(mesh.vertices, mesh.faces),
+            grasps=tuple(_grasp(row) for row in table["grasps"]),
+            slot_size=(_positive("slot.size_mm", slot_x), _positive("slot.size_mm", slot_y)),
+        ),
+        pieces=pieces,
+        mass=mass,
+        center_of_mass=np.array(mesh.center_mass),
+        inertia=np.array(mesh.moment_inertia),
+        friction=_positive("friction", table["friction"]),
+        rgba=(float(red), float(green), float(blue), float(alpha)),
+        specular=float(table["specular"]),
+        shininess=float(table["shininess"]),
+        resting_poses=resting_poses(mesh),
+        noise=table.get("noise", table["name"]),
+    )
+
+
+def _positive(key: str, value: float) -> float:
+    if not value > 0:
+        raise ValueError(f"expected {key} above 0, got {value:g}")
+    return float(value)
+
+
+def _vector(key: str, values: Any, length: int) -> NDArray[np.float64]:
+    array = np.asarray(values, dtype=np.float64)
+    if array.shape != (length,) or not np.isfinite(array).all():
+        raise ValueError(f"expected {key} to be {length} numbers, got {values}")
+    return array
+
+
+def _shape(table: dict[str, Any], folder: Path) -> tuple[trimesh.Trimesh, tuple[trimesh.Trimesh, ...]]:
+    """The surface and its convex pieces, from a generator or from mesh files beside the TOML file."""
+    generator = table.get("generator")
+    if generator is not None:
+        if generator not in _GENERATORS:
+            raise ValueError(f"mesh.generator is {generator!r}, expected one of {', '.join(_GENERATORS)}")
+        curves = _GENERATORS[generator](**{key: value for key, value in table.items() if key != "generator"})
+        return join(curves), convex_pieces(curves)
+    surface = _read_mesh(folder / table["file"])
+    if "pieces" not in table:
+        return surface, (surface.convex_hull,)
+    return surface, tuple(_read_mesh(folder / name).convex_hull for name in table["pieces"])
+
+
+def _read_mesh(path: Path) -> trimesh.Trimesh:
+    if not path.is_file():
+        raise ValueError(f"mesh file {path} does not exist")
+    loaded = trimesh.load(path, force="mesh")
+    if not isinstance(loaded, trimesh.Trimesh) or len(loaded.faces) == 0:
+        raise ValueError(f"mesh file {path} has no triangles")
+    return loaded
+
+
+def check_mesh(mesh: trimesh.Trimesh, source: str) -> None:
+    """Refuses a surface that has no inside or cannot be meant in metres.
+
+    Raises:
+        PartFileError: says what is wrong and how to see it.
+    """
+    if len(mesh.faces) == 0:
+        raise PartFileError(f"{source}: the mesh has no faces")
+    if not np.isfinite(mesh.vertices).all():
+        raise PartFileError(f"{source}: the mesh has vertices that are not finite")
+    extent = float(mesh.extents.max())
+    if extent > _LARGEST_PART:
+        hint = " (is it in millimetres? expected metres)" if extent > 10 * _LARGEST_PART else ""
+        raise PartFileError(f"{source}: the mesh is {extent:g} m large, expected at most {_LARGEST_PART} m{hint}")
+    if not mesh.is_watertight:
+        edges, counts = np.unique(mesh.edges_sorted, axis=0, return_counts=True)
+        raise PartFileError(
+            f"{source}: the mesh is open: {int((counts != 2).sum())} of {len(edges)} edges do not have two faces"
+        )
+    if mesh.volume <= 0:
+        raise PartFileError(f"{source}: the mesh is inside out: its volume is {mesh.volume:g} m³")
+
+
+def resting_poses(mesh: trimesh.Trimesh) -> tuple[RestingPose, ...]:
+    """Every way in which the part lies still on a plane, likeliest first; the probabilities add up to 1."""
+    transforms, probabilities = trimesh.poses.compute_stable_poses(mesh, n_samples=1, sigma=0.0)
+    kept = probabilities >= RAREST_RESTING_POSE
+    total = float(probabilities[kept].sum())
+    return tuple(
+        RestingPose(transform[:3, :3], float(transform[2, 3]), float(probability) / total)
+        for transform, probability in zip(transforms[kept], probabilities[kept], strict=True)
+    )
+
+
+def _grasp(row: dict[str, Any]) -> Grasp:
+    approach, closing, tcp_mm = (_vector(key, row[key], 3) for key in ("approach", "closing", "tcp_mm"))
+    X_OT = Pose(np.column_stack([np.cross(closing, approach), closing, approach]), tcp_mm / 1000.0)
+    return Grasp(row["name"], X_OT, _positive("half_opening_mm", row["half_opening_mm"]) / 1000.0)

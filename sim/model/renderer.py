@@ -1,0 +1,80 @@
+"""The one place that renders: RGB, z-depth and part numbers from a camera of the model."""
+
+from typing import Any
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+import maskval
+from maskval import Pose
+from sim.errors import GraphicsError
+from sim.instance_ids import NOTHING
+
+GL_PACKAGES = "libegl1 libgl1 libosmesa6"
+
+
+def pinhole(camera: maskval.Camera, X_BC: Pose) -> dict[str, Any]:
+    """The fields of a model's camera with these intrinsics, at X_BC in its body B.
+
+    MuJoCo's camera looks along −z with y up: half a turn about x from OpenCV's.
+    """
+    quaternion = np.empty(4)
+    mujoco.mju_mat2Quat(quaternion, (X_BC.rotation @ np.diag([1.0, -1.0, -1.0])).flatten())
+    return {
+        "pos": X_BC.translation,
+        "quat": quaternion,
+        "resolution": [camera.width, camera.height],
+        "focal_pixel": [camera.fx, camera.fy],
+        "principal_pixel": [camera.width / 2 - camera.cx, camera.height / 2 - camera.cy],
+        "sensor_size": [camera.width * 1e-5, camera.height * 1e-5],
+    }
+
+
+class Camera:
+    """An off-screen renderer of one model; holds an OpenGL context, so make few and `close` them."""
+
+    def __init__(self, model: mujoco.MjModel, height: int, width: int) -> None:
+        try:
+            self._renderer: Any = mujoco.Renderer(model, height, width)
+        except Exception as error:  # the bindings raise whatever their platform's loader raises
+            raise GraphicsError(
+                f"no off-screen OpenGL ({type(error).__name__}: {error}); expected EGL or OSMesa: "
+                f"apt-get install {GL_PACKAGES}, then set MUJOCO_GL to egl or osmesa"
+            ) from error
+        names = (mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_GEOM, geom) or "" for geom in range(model.ngeom))
+        numbers = [int(name.removeprefix("part_")) if name.startswith("part_") else NOTHING for name in names]
+        self._part_of_geom = np.array([*numbers, NOTHING], dtype=np.int8)  # the last for -1, the background
+        self._zfar = float(model.vis.map.zfar * model.stat.extent)
+
+    def rgb(self, data: mujoco.MjData, camera: str) -> NDArray[np.uint8]:
+        """The picture, (H, W, 3) uint8."""
+        self._renderer.disable_depth_rendering()
+        self._renderer.disable_segmentation_rendering()
+        return self._render(data, camera).copy()
+
+    def depth(self, data: mujoco.MjData, camera: str) -> NDArray[np.float32]:
+        """z-depth, (H, W) m; 0 where the camera sees nothing."""
+        self._renderer.disable_segmentation_rendering()
+        self._renderer.enable_depth_rendering()
+        depth = self._render(data, camera).copy()
+        self._renderer.disable_depth_rendering()
+        depth[depth >= 0.99 * self._zfar] = 0.0
+        return depth
+
+    def part_numbers(self, data: mujoco.MjData, camera: str) -> NDArray[np.int8]:
+        """Which part each pixel shows, (H, W); `NOTHING` where it shows none."""
+        self._renderer.enable_segmentation_rendering()
+        seen = self._render(data, camera)
+        self._renderer.disable_segmentation_rendering()
+        is_geom = seen[..., 1] == int(mujoco.mjtObj.mjOBJ_GEOM)
+        return self._part_of_geom[np.where(is_geom, seen[..., 0], -1)]
+
+    def close(self) -> None:
+        """Gives the OpenGL context back."""
+        self._renderer.close()
+
+    def _render(self, data: mujoco.MjData, camera: str) -> NDArray[Any]:
+        self._renderer.update_scene(data, camera)
+        image: NDArray[Any] = self._renderer.render()
+        return image

@@ -1,0 +1,103 @@
+"""What a picture really shows. Estimators of this package are made from it; observations never hold it."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cell.interfaces import Detection, Frame
+from maskval import Camera, Mesh, Pose, silhouette
+from sim.instance_ids import NOTHING, PIXEL_CENTER, shown_part
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FrameTruth:
+    """The truth about one frame.
+
+    Attributes:
+        frame: index of the frame.
+        part_numbers: (H, W) int8, the part that each pixel shows, `NOTHING` where it shows none.
+        X_CO_true: true pose of every part in the true camera.
+        camera: the true camera.
+    """
+
+    frame: int
+    part_numbers: NDArray[np.int8]
+    X_CO_true: tuple[Pose, ...]
+    camera: Camera
+
+    def visible_parts(self) -> list[int]:
+        """Parts with at least one pixel, in the order of their numbers."""
+        pixels = np.bincount(self.part_numbers.ravel() + 1)  # the first bin counts the pixels without a part
+        return [int(part) for part in np.flatnonzero(pixels[1:])]
+
+    def mask(self, part: int) -> NDArray[np.bool_]:
+        """The pixels that show the part, (H, W)."""
+        shown: NDArray[np.bool_] = self.part_numbers == part
+        return shown
+
+    def visibility(self, part: int, mesh: Mesh) -> float:
+        """Visible share of the part's whole silhouette, in [0, 1]: occlusion and the image's border together."""
+        whole = silhouette(mesh, self.X_CO_true[part], self.camera, pixel_center=PIXEL_CENTER).area_px
+        return min(1.0, float(self.mask(part).sum()) / whole) if whole else 0.0
+
+    def X_CO_seen(self, part: int, center_O: NDArray[np.float64], believed: Camera) -> Pose:
+        """The pose in which the part looks to a believed camera as it truly looks to the true one.
+
+        As large in focal lengths, its middle at the same pixel, and turned by as much as the ray to it is turned:
+        what a network concludes from a picture whose camera it has wrong. The true pose where it has it right.
+
+        Args:
+            part: Its number.
+            center_O: Its middle, (3,) m.
+            believed: The camera that the network believes in.
+        """
+        X_CO, true = self.X_CO_true[part], self.camera
+        if believed == true:
+            return X_CO
+        x, y, z = p_true = X_CO.apply(center_O)
+        z_seen = z * np.sqrt(believed.fx / true.fx * believed.fy / true.fy)
+        u, v = true.fx * x / z + true.cx, true.fy * y / z + true.cy
+        p_seen = np.array([(u - believed.cx) / believed.fx * z_seen, (v - believed.cy) / believed.fy * z_seen, z_seen])
+        axis = np.cross(p_true, p_seen)
+        turn = Pose.from_rotvec(axis / (np.linalg.norm(p_true) * np.linalg.norm(p_seen)))  # small: sin is the angle
+        rotation = turn.rotation @ X_CO.rotation
+        return Pose(rotation, p_seen - rotation @ center_O)
+
+    def part_of(self, detection: Detection) -> int | None:
+        """The part that most of the detection's pixels show; None if they show none."""
+        part = shown_part(self.part_numbers, detection.mask)
+        return None if part == NOTHING else part
+
+
+class TruthBooth:
+    """Holds the truth about the newest frame for those who may ask: this package's estimators and the logs."""
+
+    def __init__(self) -> None:
+        self._newest: FrameTruth | None = None
+
+    def keep(self, truth: FrameTruth) -> None:
+        """Replaces what is held."""
+        self._newest = truth
+
+    @property
+    def newest(self) -> FrameTruth:
+        """The truth about the newest frame.
+
+        Raises:
+            LookupError: there has been none.
+        """
+        if self._newest is None:
+            raise LookupError("no frame has been taken yet: there is no truth about one")
+        return self._newest
+
+    def of(self, frame: Frame) -> FrameTruth:
+        """The truth about the newest frame.
+
+        Raises:
+            LookupError: an older frame is asked for.
+        """
+        if self._newest is None or self._newest.frame != frame.index:
+            held = "none" if self._newest is None else f"frame {self._newest.frame}"
+            raise LookupError(f"the truth about frame {frame.index} is not held any more, only {held}")
+        return self._newest

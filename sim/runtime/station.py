@@ -1,0 +1,136 @@
+"""The simulated robot as the controller's station: motions with guarded contacts, jaws, clock and pictures."""
+
+from collections.abc import Iterable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cell.interfaces import Contact, Frame, Image, Touch
+from cell.trajectory import JointTrajectory
+from cell.ur10 import forward
+from sim.model.renderer import Camera
+from sim.networks.ground_truth import FrameTruth, TruthBooth
+from sim.runtime.world import World
+
+COLLISION_FORCE = 30.0  # N; free motions read exactly 0, a grasp on a wrong pose reads 80 and more
+PRESSING_FORCE = 60.0  # N between the held part and the container, above what a part set down gently makes
+TOUCH_FORCE = 0.5  # N from which a part counts as touched
+
+Command = tuple[NDArray[np.float64], NDArray[np.float64]]
+
+
+class SimStation:
+    """Implements `cell.interfaces.Station` on a `World`."""
+
+    def __init__(self, world: World, camera: Camera, booth: TruthBooth) -> None:
+        self._world, self._camera, self._booth = world, camera, booth
+        self._rows = world.touch_sensors()
+        self._peaks = np.zeros(len(world.contact_forces()))
+        self._frames = 0
+
+    @property
+    def time(self) -> float:
+        """See `Station`."""
+        return self._world.time
+
+    @property
+    def time_step(self) -> float:
+        """See `Station`."""
+        return self._world.time_step
+
+    @property
+    def q(self) -> NDArray[np.float64]:
+        """See `Station`."""
+        return self._world.q
+
+    @property
+    def jaw_half_opening(self) -> float:
+        """See `Station`."""
+        return self._world.jaw_half_opening
+
+    @property
+    def latency(self) -> float:
+        """How much later than it was taken a picture arrives, s."""
+        return self._world.conditions.latency_s
+
+    def take_frame(self, images: frozenset[Image]) -> Frame:
+        """See `Station`. With latency the picture arrives so much later than it was taken, and the arm waits for it."""
+        frame = self.expose(images)
+        self.wait(self.latency, frozenset())
+        return frame
+
+    def expose(self, images: frozenset[Image]) -> Frame:
+        """The picture of this moment, for those who do not stand still until it arrives `latency` seconds later.
+
+        Its pose is by forward kinematics of the measured joints, not the simulator's.
+        """
+        layout, data = self._world.layout, self._world.data
+        frame = Frame(
+            index=self._frames,
+            time=self.time,
+            camera=layout.camera,
+            X_BC=forward(self.q) @ layout.X_FC,
+            rgb=self._camera.rgb(data, "wrist") if Image.RGB in images else None,
+            depth=self._camera.depth(data, "wrist") if Image.DEPTH in images else None,
+        )
+        self._booth.keep(
+            FrameTruth(
+                frame=frame.index,
+                part_numbers=self._camera.part_numbers(data, "wrist"),
+                X_CO_true=tuple(self._world.X_CO(part) for part in range(self._world.parts)),
+                camera=self._world.camera_true,
+            )
+        )
+        self._frames += 1
+        return frame
+
+    def follow(self, trajectory: JointTrajectory, watch: frozenset[Touch]) -> Contact | None:
+        """See `Station`. A stop holds the joints where they are."""
+        contact = self._run(zip(trajectory.positions, trajectory.velocities, strict=True), watch)
+        if contact is not None:
+            self._world.command_arm(self.q, np.zeros(6))
+        return contact
+
+    def command_jaws(self, half_opening: float) -> None:
+        """See `Station`."""
+        self._world.command_jaws(half_opening)
+
+    def wait(self, duration: float, watch: frozenset[Touch]) -> Contact | None:
+        """See `Station`."""
+        return self._run((None for _ in range(round(duration / self.time_step))), watch)
+
+    def forget_touches(self) -> None:
+        """From now on, `touched_parts` counts afresh."""
+        self._peaks[:] = 0.0
+
+    def touched_parts(self) -> list[int]:
+        """Parts that the robot has touched since `forget_touches`."""
+        rows = self._rows[Touch.PART][: self._world.parts]  # distractors follow
+        return [int(part) for part in np.flatnonzero(self._peaks[rows] > TOUCH_FORCE)]
+
+    def _run(self, commands: Iterable[Command | None], watch: frozenset[Touch]) -> Contact | None:
+        """Steps through the commands, one each; ends early on a watched contact."""
+        world, data = self._world, self._world.data
+        limits = self._limits(watch)
+        for command in commands:
+            if command is not None:
+                world.command_arm(*command)
+            world.step()
+            if data.ncon:
+                forces = np.sqrt((world.contact_forces() ** 2).sum(axis=1))
+                np.maximum(self._peaks, forces, out=self._peaks)
+                if (forces > limits).any():
+                    world.check()
+                    return self._strongest(forces, watch)
+        world.check()
+        return None
+
+    def _limits(self, watch: frozenset[Touch]) -> NDArray[np.float64]:
+        limits = np.full(len(self._peaks), np.inf)
+        for touch in watch:
+            limits[self._rows[touch]] = PRESSING_FORCE if touch is Touch.PRESSED else COLLISION_FORCE
+        return limits
+
+    def _strongest(self, forces: NDArray[np.float64], watch: frozenset[Touch]) -> Contact:
+        force, touch = max((float(forces[self._rows[touch]].max()), touch) for touch in sorted(watch))
+        return Contact(touch, force, self.time)

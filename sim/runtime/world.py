@@ -1,0 +1,195 @@
+"""The running physics: reset, step, read and command. Truth is read here and nowhere else."""
+
+from collections.abc import Callable, Sequence
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from cell.interfaces import Touch
+from cell.layout import Layout
+from cell.ur10 import inverse_on_branch
+from cell.viewpoints import search_run
+from maskval import Pose
+from sim.errors import DivergenceError
+from sim.model.bodies import part_body
+from sim.model.clutter import distractor_body, distractors_of
+from sim.model.conditions import UNDISTURBED, Conditions
+from sim.model.parts import PartModel
+from sim.model.robot import FINGERS, JOINTS
+from sim.model.scene import SURFACE_VELOCITY_Y, build_scene, container_presses, robot_touches
+
+STEPS_PER_COMMAND = 2  # physics steps per period of the robot's controller
+SETTLE_TIME = 1.0  # s of physics before an experiment begins
+Q_NEAR_BELT = np.radians([0.0, -100.0, 100.0, -90.0, -90.0, 0.0])  # which turn of base and wrist 3 to begin with
+
+Array = NDArray[np.float64]
+
+
+class World:
+    """One cell with its parts. Build it once, `reset` it for every experiment.
+
+    Args:
+        layout: the cell.
+        model: the kind of part.
+        parts: how many of them.
+        conditions: what disturbs the cell.
+        use_meshes: whether to draw the arm with its maker's meshes.
+    """
+
+    def __init__(
+        self,
+        layout: Layout,
+        model: PartModel,
+        parts: int,
+        conditions: Conditions = UNDISTURBED,
+        use_meshes: bool = False,
+    ) -> None:
+        self.layout, self.part_model, self.parts, self.conditions = layout, model, parts, conditions
+        self.camera_true, self.belt_true = conditions.camera_true(layout.camera), conditions.belt_true(layout.belt)
+        self.model = build_scene(layout, [model] * parts, model.part.slot_size, conditions, use_meshes=use_meshes)
+        self.data = mujoco.MjData(self.model)
+        compiled = self.model
+        self._arm = np.array([compiled.joint(name).qposadr[0] for name in JOINTS])
+        self._jaw = compiled.joint(FINGERS[0]).qposadr[0]
+        servo = compiled.actuator_ctrladr[compiled.actuator(JOINTS[0]).id]
+        # A view: each servo takes position and speed, and the joints' servos follow one another.
+        self._servos: Array = self.data.ctrl[servo : servo + 2 * len(JOINTS)].reshape(len(JOINTS), 2)
+        self._jaw_command = compiled.actuator_ctrladr[compiled.actuator("jaws").id]
+        self._bodies = np.array([compiled.body(part_body(index)).id for index in range(parts)])
+        things = [distractor_body(index) for index in range(len(distractors_of(conditions.clutter)))]
+        lying = [*map(part_body, range(parts)), *things]
+        self._free_joints = [compiled.joint(name).qposadr[0] for name in lying]
+        self._obstacles = [robot_touches(name) for name in things]
+        self._flange = compiled.body("flange").id
+        self._wrist = compiled.camera("wrist").id
+        self._belt = compiled.geom("belt").id
+        self.q_home = self._home()
+        self.on_step: Callable[[], None] | None = None  # called after every step, by a window that shows the world
+
+    def _home(self) -> Array:
+        """Joint angles of the search run's first view."""
+        first = search_run(self.layout).views[0]
+        q = inverse_on_branch(first @ self.layout.X_FC.inverse(), Q_NEAR_BELT)
+        if q is None:
+            raise ValueError("the layout's first search view is out of the arm's reach")
+        return q
+
+    def reset(self, X_WO: Sequence[Pose]) -> None:
+        """Puts arm and parts in place and lets them settle; the clock then stands at 0.
+
+        Args:
+            X_WO: poses of the parts, then of the distractors if there are any.
+
+        Raises:
+            DivergenceError: the parts do not come to rest in finite numbers.
+        """
+        mujoco.mj_resetData(self.model, self.data)
+        self.model.geom_surfacevel[self._belt, SURFACE_VELOCITY_Y] = 0.0  # the model's, so not part of the reset data
+        self.data.qpos[self._arm] = self.q_home
+        for address, pose in zip(self._free_joints, X_WO, strict=True):
+            self.data.qpos[address : address + 3] = pose.translation
+            self.data.qpos[address + 3 : address + 7] = pose.quaternion_wxyz
+        self.command_arm(self.q_home, np.zeros(6))
+        self.command_jaws(self.layout.gripper.max_half_opening)
+        mujoco.mj_step(self.model, self.data, round(SETTLE_TIME / self.model.opt.timestep))
+        self.check()
+        self.data.time = 0.0
+        if self.belt_true.speed:
+            self.move_belt(-self.belt_true.speed)
+
+    @property
+    def time(self) -> float:
+        """Seconds since the reset."""
+        return float(self.data.time)
+
+    @property
+    def time_step(self) -> float:
+        """Period of the robot's controller, s."""
+        return float(self.model.opt.timestep) * STEPS_PER_COMMAND
+
+    @property
+    def q(self) -> Array:
+        """Measured joint angles, (6,) rad."""
+        q: Array = self.data.qpos[self._arm].copy()
+        return q
+
+    @property
+    def jaw_half_opening(self) -> float:
+        """Measured distance of each jaw from the middle, m."""
+        return float(self.data.qpos[self._jaw])
+
+    def command_arm(self, q: Array, qd: Array) -> None:
+        """Sets the servo's joint angles (rad) and speeds (rad/s)."""
+        self._servos[:, 0] = q
+        self._servos[:, 1] = qd
+
+    def command_jaws(self, half_opening: float) -> None:
+        """Sets the jaws' half opening, m."""
+        self.data.ctrl[self._jaw_command] = half_opening
+
+    def move_belt(self, speed: float) -> None:
+        """Sets the speed of the belt's surface along W's y, m/s, and wakes the parts that lie on it."""
+        self.model.geom_surfacevel[self._belt, SURFACE_VELOCITY_Y] = speed
+        nudge = 1e-2  # m/s: sleeping parts are not woken by the surface under them
+        for body in self._bodies:
+            self.data.qvel[self.model.body_dofadr[body] + SURFACE_VELOCITY_Y] += nudge
+
+    def step(self) -> None:
+        """One period of the robot's controller."""
+        mujoco.mj_step(self.model, self.data, STEPS_PER_COMMAND)
+        if self.on_step is not None:
+            self.on_step()
+
+    def check(self) -> None:
+        """Asks whether the physics is still finite.
+
+        Raises:
+            DivergenceError: it is not.
+        """
+        warnings = self.data.warning
+        for kind in (
+            mujoco.mjtWarning.mjWARN_BADQPOS,
+            mujoco.mjtWarning.mjWARN_BADQVEL,
+            mujoco.mjtWarning.mjWARN_BADQACC,
+        ):
+            if warnings[kind].number:
+                raise DivergenceError(f"physics diverged ({kind.name}) before {self.time:.3f} s")
+        if not (np.isfinite(self.data.qpos).all() and np.isfinite(self.data.qvel).all()):
+            raise DivergenceError(f"physics has numbers that are not finite at {self.time:.3f} s")
+
+    def X_WO(self, index: int) -> Pose:
+        """True pose of a part."""
+        body = self._bodies[index]
+        return Pose(self.data.xmat[body].reshape(3, 3), self.data.xpos[body])
+
+    def X_WF(self) -> Pose:
+        """True pose of the flange."""
+        return Pose(self.data.xmat[self._flange].reshape(3, 3), self.data.xpos[self._flange])
+
+    def X_WC(self) -> Pose:
+        """True pose of the wrist camera, in OpenCV's convention."""
+        rotation = self.data.cam_xmat[self._wrist].reshape(3, 3) @ np.diag([1.0, -1.0, -1.0])
+        return Pose(rotation, self.data.cam_xpos[self._wrist])
+
+    def X_CO(self, index: int) -> Pose:
+        """True pose of a part in the true camera."""
+        return self.X_WC().inverse() @ self.X_WO(index)
+
+    def touch_sensors(self) -> dict[Touch, NDArray[np.intp]]:
+        """Rows of `contact_forces` for every kind of touch; distractors come after the parts and count as such."""
+        names = {
+            Touch.BELT: [robot_touches("belt")],
+            Touch.CONTAINER: [robot_touches("container")],
+            Touch.ROBOT: [robot_touches("base"), robot_touches("itself")],
+            Touch.PART: [*(robot_touches(part_body(index)) for index in range(self.parts)), *self._obstacles],
+            Touch.PRESSED: [container_presses(index) for index in range(self.parts)],
+        }
+        return {
+            touch: np.array([self.model.sensor(name).adr[0] // 3 for name in group]) for touch, group in names.items()
+        }
+
+    def contact_forces(self) -> Array:
+        """Strongest contact force vector of every sensor, (S, 3) N; a view that the next step overwrites."""
+        forces: Array = self.data.sensordata.reshape(-1, 3)
+        return forces

@@ -1,0 +1,94 @@
+from dataclasses import replace
+
+import pytest
+
+from cell.records import Count
+from experiments.commands.compare import make_pairs
+from experiments.commands.config import Compare
+from experiments.results.paired import Paired, format_paired, pair
+from experiments.setup.actors import Parties
+from experiments.setup.experiment import Result
+
+
+def count(tp: int, fp: int) -> Count:
+    return Count(parts=8, tp=tp, fp=fp, fn=8 - tp, void=0, unreachable=0, timeouts=8 - tp - fp, duration=100.0)
+
+
+def singles(*counts: Count | None) -> list[list[Count | None]]:
+    return [[one] for one in counts]
+
+
+def test_differences_are_taken_within_experiments_and_the_interval_is_students() -> None:
+    # Placed +1, +3, +2: mean 2, standard error 1 / sqrt(3), and t at 97.5 % with 2 degrees of freedom is 4.3027.
+    (row,) = pair(
+        "antenna",
+        {
+            "contour": singles(count(3, 1), count(7, 0), count(8, 0)),
+            "maskval": singles(count(2, 1), count(4, 2), count(6, 1)),
+        },
+    )
+    assert (row.object, row.method, row.reference, row.experiments) == ("antenna", "contour", "maskval", 3)
+    assert row.placed == pytest.approx(2.0)
+    assert row.placed_ci == pytest.approx((2 - 4.3027 / 3**0.5, 2 + 4.3027 / 3**0.5), abs=1e-4)
+    assert row.failed == pytest.approx(-1.0)
+    assert row.failed_ci == pytest.approx((-1 - 4.3027 / 3**0.5, -1 + 4.3027 / 3**0.5), abs=1e-4)
+
+
+def test_experiments_that_one_of_both_did_not_finish_are_left_out() -> None:
+    (row,) = pair(
+        "antenna",
+        {"maskval": singles(count(4, 0), None, count(4, 0)), "none": singles(count(5, 3), count(8, 0), None)},
+    )
+    assert (row.experiments, row.placed, row.placed_ci, row.failed) == (1, 1.0, None, 3.0)
+    assert pair("antenna", {"maskval": singles(None), "none": singles(count(8, 0))}) == []
+
+
+def test_experiments_of_one_world_count_once_in_the_interval() -> None:
+    # Two worlds that differ by +2 and +4 on average: one degree of freedom, t = 12.706, standard error 1.
+    (row,) = pair(
+        "handle",
+        {
+            "maskval": [[count(4, 0), count(4, 0)], [count(2, 0), count(2, 0)]],
+            "none": [[count(5, 0), count(7, 0)], [count(6, 0), count(6, 0)]],
+        },
+    )
+    assert (row.experiments, row.placed) == (4, 3.0)
+    assert row.placed_ci == pytest.approx((3 - 12.706, 3 + 12.706), abs=1e-3)
+
+
+def test_without_maskval_the_first_method_is_the_reference() -> None:
+    rows = pair("antenna", {"none": singles(count(4, 0)), "a": singles(count(5, 0)), "b": singles(count(2, 0))})
+    assert [(row.method, row.reference, row.placed) for row in rows] == [("a", "none", 1.0), ("b", "none", -2.0)]
+
+
+def test_equal_differences_have_no_interval_and_one_method_has_no_lines() -> None:
+    (row,) = pair("antenna", {"maskval": singles(count(4, 0), count(4, 0)), "a": singles(count(5, 0), count(5, 0))})
+    assert row.placed_ci is None
+    told = format_paired([row])
+    assert "less those of maskval" in told
+    assert "placed +1.00 [–]" in told
+    assert format_paired(pair("antenna", {"maskval": singles(count(4, 0))})) == ""
+
+
+def test_the_lines_hold_both_intervals() -> None:
+    row = Paired("handle", "contour", "maskval", 20, 0.75, (0.21, 1.29), -0.1, (-0.3, 0.1))
+    told = format_paired([row])
+    assert "handle  contour  placed +0.75 [+0.21, +1.29]" in told
+    assert "failed -0.10 [-0.30, +0.10]" in told
+    assert told.endswith("  20 runs")
+
+
+def test_experiments_of_compare_with_one_error_model_are_a_group() -> None:
+    config = Compare(
+        objects=("handle",), methods=("none", "maskval"), experiments=21, parties=Parties(gap="fitted"), jobs=1
+    )
+    specs = config.specs()
+    assert specs[20].noise == specs[0].noise  # the worlds begin anew
+    # "none" places 4 more in the experiments 0 and 20 and as many in the others: world 0 counts once, so 4 / 20.
+    more = {("none", 0): 4, ("none", 20): 4}
+    results = [Result(spec, count(2 + more.get((spec.method, spec.experiment), 0), 0), None, {}) for spec in specs]
+    (row,) = make_pairs(specs, results)
+    assert (row.experiments, row.placed) == (21, pytest.approx(4 / 20))
+    plain = [replace(spec, noise=()) for spec in specs]
+    (row,) = make_pairs(plain, [replace(result, spec=spec) for spec, result in zip(plain, results, strict=True)])
+    assert row.placed == pytest.approx(8 / 21)

@@ -1,0 +1,136 @@
+from typing import get_args
+
+import numpy as np
+import pytest
+
+from cell.layout import default_camera
+from experiments.rendering.config import Style
+from maskval import Pose
+from sim.images import pictures
+from sim.images.heap import drop
+from sim.images.photo_renderer import DressedBody, Photograph
+from sim.images.pictures import HEAP, STYLES, LabelledPicture, expose, paste
+from sim.images.test_images import Recipe, make_image
+from sim.images.textures import background, texture
+from sim.instance_ids import NOTHING
+from sim.model.parts import PartModel
+from sim.networks.random_streams import Streams
+
+CAMERA = default_camera()
+
+
+def test_the_styles_are_those_of_the_command_line() -> None:
+    assert tuple(STYLES) == get_args(Style)
+
+
+@pytest.fixture(scope="module")
+def pasted(handle: PartModel) -> LabelledPicture:
+    return STYLES["s2"](handle, CAMERA, Streams(5, 1, "handle"), 0.5)
+
+
+def test_a_pasted_picture_shows_what_make_image_scatters(pasted: LabelledPicture, handle: PartModel) -> None:
+    truth = make_image(handle.part.mesh, CAMERA, Recipe(), Streams(5, 1, "handle"))
+    assert len(truth.X_CO_true) == len(pasted.truth.X_CO_true) >= 2
+    for X, expected in zip(pasted.truth.X_CO_true, truth.X_CO_true, strict=True):
+        assert np.array_equal(X.matrix, expected.matrix)
+    # Two rasterisers: MuJoCo's and maskval's.
+    assert np.mean(pasted.truth.part_numbers != truth.part_numbers) < 1e-3
+    assert pasted.truth.visibility == pytest.approx(truth.visibility, abs=5e-3)
+
+
+def test_only_bodies_have_depth_in_a_pasted_picture(pasted: LabelledPicture) -> None:
+    on_parts = pasted.truth.part_numbers != NOTHING
+    assert (pasted.depth[on_parts] > 0.2).all()
+    assert np.mean(pasted.depth == 0) > 0.3
+    assert pasted.X_CW is None
+
+
+def test_a_heap_picture_has_depth_everywhere_and_parts_above_the_floor(antenna: PartModel) -> None:
+    picture = STYLES["s1"](antenna, CAMERA, Streams(5, 2, "antenna"), 0.5)
+    assert (picture.depth > 0.1).all()
+    assert picture.X_CW is not None
+    X_WC = picture.X_CW.inverse()
+    v, u = np.mgrid[:480, :640] + 0.5
+    rays = np.stack(((u - CAMERA.cx) / CAMERA.fx, (v - CAMERA.cy) / CAMERA.fy, np.ones_like(u)), axis=-1)
+    points_W = X_WC.apply((rays * picture.depth[..., None]).reshape(-1, 3))
+    assert points_W[:, 2].min() > -0.003
+    heights = points_W[(picture.truth.part_numbers != NOTHING).ravel(), 2]
+    assert len(heights) > 500
+    assert heights.max() > 0.01
+    floor = np.abs(points_W[:, 2]) < 0.002
+    assert floor.mean() > 0.1
+
+
+def test_cameras_stand_in_the_room_look_down_and_have_a_part_in_the_image(antenna: PartModel) -> None:
+    heap = drop(antenna, 3, 4, 0.2, np.random.default_rng(0))
+    half_size = np.array((1.6, 2.0))
+    rng = np.random.default_rng(1)
+    distances = []
+    for _ in range(200):
+        X_CW = pictures._viewpoint(antenna, heap, CAMERA, half_size, rng)
+        X_WC = X_CW.inverse()
+        assert (np.abs(X_WC.translation[:2]) < half_size).all()
+        assert X_WC.translation[2] >= 0.15
+        assert X_WC.rotation[2, 2] <= -np.sin(np.radians(25)) + 1e-9
+        middles = np.array([(X_CW @ X).apply(antenna.part.mesh.bounds.mean(axis=0)) for X in heap.X_WO])
+        inside = (np.abs(CAMERA.project(middles) - (320, 240)) < (0.3001 * 640, 0.3001 * 480)).all(axis=1)
+        aimed = inside & (middles[:, 2] >= HEAP.distance[0]) & (middles[:, 2] <= HEAP.distance[1])
+        assert aimed.any()
+        distances.append(middles[aimed, 2].min())
+    assert min(distances) < 0.5
+    assert max(distances) > 1.1
+
+
+def test_pasting_shows_the_front_where_it_covers_and_the_background_elsewhere() -> None:
+    coverage = np.zeros((40, 60), dtype=np.float32)
+    coverage[:, 30:] = 1.0
+    depth, numbers = coverage.copy(), np.zeros((40, 60), dtype=np.int8)
+    photo = Photograph(np.repeat(200 * coverage[..., None], 3, axis=2), coverage, depth, numbers)
+    picture = paste(photo, np.full((40, 60, 3), 50, dtype=np.uint8), 0.8)
+    assert picture[:, :25] == pytest.approx(50)
+    assert picture[:, 35:] == pytest.approx(200)
+    assert picture[:, 29:31].mean() == pytest.approx(125, abs=1)
+    assert (np.diff(picture[20, :, 0]) >= -1e-3).all()
+
+
+def test_exposure_keeps_the_picture_and_differs_each_time() -> None:
+    rgb = np.tile(np.linspace(0, 200, 64, dtype=np.float32)[None, :, None], (48, 1, 3))
+    rng = np.random.default_rng(0)
+    one, other = expose(rgb, rng), expose(rgb, rng)
+    assert not np.array_equal(one, other)
+    for picture in (one, other):
+        assert np.corrcoef(picture[..., 0].ravel(), rgb[..., 0].ravel())[0, 1] > 0.98
+
+
+def test_textures_and_backgrounds_are_varied_functions_of_their_generator() -> None:
+    for make, size in ((texture, (48, 64)), (background, (120, 160))):
+        pictures_made = [make(*size, np.random.default_rng(seed)) for seed in range(12)]
+        assert np.array_equal(pictures_made[3], make(*size, np.random.default_rng(3)))
+        for picture in pictures_made:
+            assert (picture.shape, picture.dtype) == ((*size, 3), np.uint8)
+            assert picture.std() > 1
+        assert np.std([picture.mean() for picture in pictures_made]) > 10
+    assert np.mean([picture.std() for picture in pictures_made]) > 25
+
+
+def test_a_part_without_texture_has_its_own_colour(antenna: PartModel) -> None:
+    rng = np.random.default_rng(0)
+    plain, any_surface = (pictures.Dresser(antenna, share, rng) for share in (0.0, 1.0))
+    own = np.array([plain.part().picture.mean(axis=(0, 1)) for _ in range(20)])
+    assert own.max() < 255 * 0.08 * 2.0 * 1.1 + 1
+    assert np.ptp([any_surface.part().picture.mean() for _ in range(20)]) > 50
+
+
+def test_a_picture_is_a_function_of_its_streams(antenna: PartModel, monkeypatch: pytest.MonkeyPatch) -> None:
+    seen: list[Pose] = []
+
+    def note(bodies: list[DressedBody], *_: object) -> Photograph:
+        seen.append(bodies[0].X_CO)
+        raise InterruptedError
+
+    monkeypatch.setattr(pictures, "photograph", note)
+    for streams in (Streams(1, 0, "a"), Streams(1, 0, "a"), Streams(1, 1, "a"), Streams(2, 0, "a"), Streams(1, 0, "b")):
+        with pytest.raises(InterruptedError):
+            STYLES["s2"](antenna, CAMERA, streams, 0.5)
+    assert np.array_equal(seen[0].matrix, seen[1].matrix)
+    assert len({X.translation.tobytes() for X in seen}) == 4
