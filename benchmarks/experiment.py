@@ -13,13 +13,12 @@ from collections import defaultdict
 from collections.abc import Callable
 from typing import Any
 
-from experiments.setup.experiment import ExperimentSpec, run_experiment
+from experiments.setup.experiment import ExperimentSpec, kept_cell, run_experiment
 from experiments.setup.thresholds import load_thresholds
-from sim.runtime.sim_cell import bench
 
 STAGES = {  # name: (module, class or None, function)
     "physics": ("mujoco", None, "mj_step"),
-    "part numbers (segmentation)": ("sim.model.renderer", "Camera", "part_numbers"),
+    "instance ids (segmentation)": ("sim.model.renderer", "Renderer", "instance_ids"),
     "masks": ("sim.networks.estimators", "NoisyMasks", "detect"),
     "poses": ("sim.networks.estimators", "NoisyPoses", "estimate"),
     "uncertainty": ("cell.perception", "Perception", "uncertainties"),
@@ -83,7 +82,7 @@ def main() -> None:
         for stage in STAGES:
             print(f"    {100 * spent[stage] / total:5.1f} %  {stage}")
         print(f"    {100 * (1 - sum(spent.values()) / total):5.1f} %  Python around them")
-    bench.cache_clear()
+    kept_cell.cache_clear()
 
 
 def measure(spec: ExperimentSpec) -> tuple[float, float, float]:

@@ -13,11 +13,10 @@ import sim.runtime.episode as subject
 from cell.interfaces import Contact, Touch
 from cell.records import State, Transition
 from cell.ur10 import forward
-from experiments.setup.experiment import ExperimentSpec, run_experiment
+from experiments.setup.experiment import ExperimentSpec, kept_cell, run_experiment
 from experiments.setup.thresholds import load_thresholds
 from maskval import Pose
-from sim.networks.ground_truth import TruthBooth
-from sim.runtime.sim_cell import bench
+from sim.networks.ground_truth import LatestTruth
 from sim.runtime.station import Command, SimStation
 
 tool_errors: list[float] = []  # m, one per motion
@@ -52,12 +51,12 @@ def measure(part: str) -> str:
     """Runs one experiment of a part; its figures as a line."""
     tool_errors.clear()
     spec = ExperimentSpec(part, "none", "oracle", load_thresholds("paper"), "ur-default", 8, 0, 0)
-    world = bench(*spec.cell).world
+    world = kept_cell(*spec.cell).world
     vertices = world.part_model.part.mesh.vertices
     slips: list[float] = []
     lifted: dict[int, Pose] = {}
 
-    def tell(record: object, booth: TruthBooth) -> None:
+    def tell(record: object, latest_truth: LatestTruth) -> None:
         if not isinstance(record, Transition) or record.target not in (State.LIFT, State.RELEASE):
             return
         held = stations[-1].touched_parts()[0]

@@ -17,7 +17,7 @@ from sim.images.test_image_estimates import estimate_image
 from sim.images.test_images import Recipe, draw_nearest, make_image
 from sim.instance_ids import PIXEL_CENTER
 from sim.model.parts import load_part, part_names
-from sim.networks.ground_truth import FrameTruth, TruthBooth
+from sim.networks.ground_truth import FrameTruth, LatestTruth
 from sim.networks.noise_model import load_noise
 from sim.networks.random_streams import Streams
 
@@ -44,7 +44,7 @@ def images(part: str) -> list[tuple[Estimates, FrameTruth]]:
             depth=draw_nearest(truth.bodies, camera)[1],
             X_BC=Pose.from_translation((0.2 * number, 0.0, 0.0)),
         )
-        made.append((estimates, FrameTruth(number, truth.part_numbers, truth.X_CO_true, camera)))
+        made.append((estimates, FrameTruth(number, truth.instance_ids, truth.X_CO_true, camera)))
     return [one for one in made if len(one[0])]
 
 
@@ -54,13 +54,13 @@ def cost_us(part: str, name: str, seen: list[tuple[Estimates, FrameTruth]]) -> f
     thresholds = Thresholds("none", 0.0, {}, {model.part.name: 0.0})
     rounds = []
     for number in range(ROUNDS + 1):
-        booth = TruthBooth()
+        latest_truth = LatestTruth()
         method: UncertaintyMethod = make_uncertainty(
-            name, Context(model.part, thresholds, Streams(0, 0, model.part.name), booth)
+            name, Context(model.part, thresholds, Streams(0, 0, model.part.name), latest_truth)
         )
         spent = 0.0
         for estimates, truth in seen:
-            booth.keep(truth)
+            latest_truth.keep(truth)
             begin = time.process_time()
             method(estimates)
             spent += time.process_time() - begin

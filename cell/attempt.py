@@ -6,7 +6,7 @@ from typing import NoReturn
 
 import numpy as np
 
-from cell.conveyor_tracking import RAMP_TIME, RIDE_TIME
+from cell.conveyor_tracking import RAMP_TIME, TRACKING_TIME
 from cell.grasping import RELEASE_GAP, GraspPlan, PlacePlan, plan_grasps, plan_places
 from cell.interfaces import Contact, Touch
 from cell.motion import EVERYTHING, HOLDING, Array, Motion, Unreachable
@@ -50,7 +50,7 @@ class Attempt:
         self._motion, self._part, self._enter = motion, part, enter
         self._station = motion.station
         self._state = State.APPROACH
-        self._riding = False  # whether the tool moves with the belt, if the belt moves
+        self._tracking = False  # whether the tool moves with the belt, if the belt moves
         self._seen_at = 0.0
 
     def run(self, X_BO_est: Pose, container_slot: int, seen_at: float) -> Reach:
@@ -95,13 +95,13 @@ class Attempt:
         return self._motion.meeting_time(lambda start: self._joints_to_begin(plan, start))
 
     def _joints_to_begin(self, plan: GraspPlan, start: float) -> Array:
-        """Joint angles at the start of a ride (s) on the belt; raises Unreachable if it would leave the arm's reach."""
+        """Joint angles where tracking the belt starts, at a time (s); raises Unreachable if it would leave the arm's reach."""
         carried, seen_at, layout = self._motion.carried, self._seen_at, self._motion.layout
         y_W = (layout.X_WB @ carried(plan.X_BT_before, seen_at, start)).translation[1]
         if y_W > layout.belt.loading_length / 2:
             raise Unreachable("not yet on the stretch that the arm reaches")
         for X_BT in (plan.X_BT_grip, plan.X_BT_lifted):
-            self._motion.joints_for(carried(X_BT, seen_at, start + RIDE_TIME))
+            self._motion.joints_for(carried(X_BT, seen_at, start + TRACKING_TIME))
         return self._motion.joints_for(carried(plan.X_BT_before, seen_at, start + RAMP_TIME / 2))
 
     def _reachable_place(self, plan: GraspPlan, container_slot: int, half_opening: float) -> PlacePlan | None:
@@ -126,13 +126,13 @@ class Attempt:
         motion, station, before = self._motion, self._station, plan.X_BT_before
         station.command_jaws(plan.grasp.half_opening)
         self._move(State.APPROACH, f"grasp {plan.grasp.name}", lambda: self._approach(before, start), None)
-        self._riding = True
-        self._move(State.DESCEND, "above the part", lambda: self._ride_to(plan.X_BT_grip, EVERYTHING), before)
+        self._tracking = True
+        self._move(State.DESCEND, "above the part", lambda: self._track_to(plan.X_BT_grip, EVERYTHING), before)
         station.command_jaws(GRIP)
         self._move(State.CLOSE, "at the part", lambda: motion.wait_on_belt(CLOSING_TIME, HOLDING), before)
         self._check_held(before)
         self._move(State.LIFT, "part between the jaws", lambda: self._lift(plan.X_BT_lifted), before)
-        self._riding = False
+        self._tracking = False
         self._check_held(None)
 
     def _approach(self, X_BT_before: Pose, start: float) -> Contact | None:
@@ -140,11 +140,11 @@ class Attempt:
         where = self._motion.carried(X_BT_before, self._seen_at, start + RAMP_TIME / 2)
         return self._motion.to_tool(where) or self._motion.join_belt(start)
 
-    def _ride_to(self, X_BT: Pose, watch: frozenset[Touch]) -> Contact | None:
-        return self._motion.line_to(self._motion.carried(X_BT, self._seen_at), watch, riding=True)
+    def _track_to(self, X_BT: Pose, watch: frozenset[Touch]) -> Contact | None:
+        return self._motion.line_to(self._motion.carried(X_BT, self._seen_at), watch, tracking=True)
 
     def _lift(self, X_BT_lifted: Pose) -> Contact | None:
-        return self._ride_to(X_BT_lifted, HOLDING) or self._motion.leave_belt(HOLDING)
+        return self._track_to(X_BT_lifted, HOLDING) or self._motion.leave_belt(HOLDING)
 
     def _place(self, plan: GraspPlan, container_slot: int) -> None:
         motion, station = self._motion, self._station
@@ -186,13 +186,13 @@ class Attempt:
     def _end(self, reason: str, contact: Contact | None, retreat: Pose | None) -> NoReturn:
         """Opens the jaws, goes straight back to `retreat` and ends the attempt; nothing is watched on the way out."""
         self._enter(State.RETREAT, reason)
-        if self._riding and contact is None:
+        if self._tracking and contact is None:
             self._motion.leave_belt(watch=frozenset())
         if self._state is not State.DESCEND:
             self._station.command_jaws(self._motion.layout.gripper.max_half_opening)
             self._station.wait(RELEASE_TIME, frozenset())
         if retreat is not None:
-            if self._riding:
+            if self._tracking:
                 retreat = self._motion.carried(retreat, self._seen_at)
             try:
                 self._motion.line_to(retreat, watch=frozenset())

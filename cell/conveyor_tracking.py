@@ -17,7 +17,7 @@ from maskval import Pose
 Array = NDArray[np.float64]
 
 RAMP_TIME = 0.3  # s from rest to the belt's speed: 0.75 m/s² at 0.15 m/s, of the 2.5 m/s² that lines have
-RIDE_TIME = 2.6  # s from joining to leaving: two ramps, 0.12 m down, 0.4 s of closing, 0.16 m up
+TRACKING_TIME = 2.6  # s from joining to leaving: two ramps, 0.12 m down, 0.4 s of closing, 0.16 m up
 
 Way = Callable[[Array], Array]  # what is carried along has covered, (N,) s, from 0 to 1 s of the belt's way
 
@@ -47,7 +47,7 @@ def leaving(time: Array) -> Array:
     return time - joining(time)
 
 
-def ride(X_BF: Array, q_start: ArrayLike, v_B: ArrayLike, way: Way, time_step_s: float) -> JointTrajectory | None:
+def track(X_BF: Array, q_start: ArrayLike, v_B: ArrayLike, way: Way, time_step_s: float) -> JointTrajectory | None:
     """Follows flange poses that are carried along; None when the arm cannot.
 
     Args:

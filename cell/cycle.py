@@ -7,7 +7,7 @@ from typing import TypeVar
 from cell.attempt import Attempt
 from cell.conveyor_tracking import BeltSpeed
 from cell.errors import EstimatorError, LayoutError, PolicyError
-from cell.guards import TIME_LIMIT, ask_policy, check_decision
+from cell.guards import TIME_LIMIT, check_decision, guarded_decision
 from cell.interfaces import (
     Action,
     Contact,
@@ -23,7 +23,7 @@ from cell.layout import Layout
 from cell.motion import Motion, Unreachable
 from cell.motion_limits import PRESETS, SpeedPreset
 from cell.perception import Perception
-from cell.records import AttemptRecord, Count, Failed, Seen, Slot, State, Transition
+from cell.records import AttemptRecord, DecisionRecord, FailedFrame, State, Tally, TimeSlot, Transition
 from cell.viewpoints import REFINE_DISTANCE, SearchRun, SecondLook, search_run
 from maskval import Pose
 
@@ -108,7 +108,7 @@ class Cycle:
                 raise LayoutError(f"view {index} of the search run is out of reach: {reason}") from reason
         return search
 
-    def run(self) -> Count:
+    def run(self) -> Tally:
         """The whole experiment, decided by the policy."""
         if self._policy is None:
             raise ValueError("expected a cycle with a policy to run, got one without: drive `decisions` instead")
@@ -117,16 +117,16 @@ class Cycle:
             observation = next(decisions)
             while True:
                 try:
-                    decision = ask_policy(self._policy, observation, self._config.time_limit)
+                    decision = guarded_decision(self._policy, observation, self._config.time_limit)
                 except PolicyError as error:
                     decisions.throw(error)  # so that the frame is told of
                     raise
                 observation = decisions.send(decision)
         except StopIteration as end:
-            count: Count = end.value
+            count: Tally = end.value
             return count
 
-    def decisions(self) -> Deciding[Count]:
+    def decisions(self) -> Deciding[Tally]:
         """The whole experiment: one slot of time per part, decided from outside.
 
         Yields each observation that calls for a decision, does what it is sent, and at the end returns the count.
@@ -141,9 +141,9 @@ class Cycle:
             start = self._station.time
             ended_by = yield from self._run_slot(start + self._config.slot_time, outcomes)
             timeouts += ended_by is None
-            self._tell(Slot(self._slot, start, self._station.time, ended_by))
+            self._tell(TimeSlot(self._slot, start, self._station.time, ended_by))
         self._enter(State.DONE, "every part had its time")
-        return Count(
+        return Tally(
             parts=self._config.parts,
             tp=sum(outcome.is_true_positive for outcome in outcomes),
             fp=sum(outcome.is_false_positive for outcome in outcomes),
@@ -172,7 +172,7 @@ class Cycle:
         """One view of the search run, its second looks and the attempt that may follow; None without one."""
         self._enter(State.SEARCH, f"view {self._view}")
         contact = self._move_camera(self._search.view(self._view))
-        before: Seen | None = None  # at the same part
+        before: DecisionRecord | None = None  # at the same part
         while contact is None:
             seen = yield from self._look(before is not None, deadline)
             action = seen.decision.action
@@ -207,7 +207,7 @@ class Cycle:
             self._motion.to_joints(q_before, watch=frozenset())
         return contact
 
-    def _look(self, refining: bool, deadline: float) -> Deciding[Seen]:
+    def _look(self, refining: bool, deadline: float) -> Deciding[DecisionRecord]:
         self._enter(State.LOOK, "camera in place")
         self._station.wait(self._config.settle_time, frozenset())
         frame, observation = self._perception.take_frame(self._station), None
@@ -217,24 +217,24 @@ class Cycle:
             decision = yield observation
             check_decision(decision, observation, self._policy)
         except (EstimatorError, PolicyError) as error:
-            self._tell(Failed(frame, refining, observation, str(error)))
+            self._tell(FailedFrame(frame, refining, observation, str(error)))
             raise
-        seen = Seen(self._slot, self._decisions, observation, decision)
+        seen = DecisionRecord(self._slot, self._decisions, observation, decision)
         self._decisions += 1
         self._tell(seen)
         return seen
 
-    def _wants_fresh_look(self, before: Seen | None) -> bool:
+    def _wants_fresh_look(self, before: DecisionRecord | None) -> bool:
         """Whether a part is to be looked at again before it is grasped; not twice in vain: the error is the view's."""
         return before is None and self._motion.belt is not None and self._in_vain != self._slot
 
-    def _look_again(self, seen: Seen) -> Contact | None:
+    def _look_again(self, seen: DecisionRecord) -> Contact | None:
         """Moves the camera to a second look; raises Unreachable if there is no way."""
         fresh = "fresh look at " if seen.decision.action is Action.GRASP else ""
         self._enter(State.REFINE, f"{fresh}detection {seen.detection}")
         return self._move_camera(self._second_look.view(seen))
 
-    def _attempt(self, seen: Seen) -> Outcome:
+    def _attempt(self, seen: DecisionRecord) -> Outcome:
         observation, index, start = seen.observation, seen.detection, self._station.time
         self._referee.attempt_begins(self._container_slot)
         reach = Attempt(self._motion, self._perception.part, self._enter).run(

@@ -17,35 +17,35 @@ from maskval import Pose
 
 T = TypeVar("T")
 
-TIME_LIMIT = 300.0  # s of the wall clock per question: a first call on a busy machine may compile for more than 60 s
-_AGAIN = 1.0  # s after which time is called once more, if the code asked has swallowed the first call
+TIME_LIMIT = 300.0  # s of the wall clock per call: a first call on a busy machine may compile for more than 60 s
+_AGAIN = 1.0  # s after which time is called once more, if the called code has swallowed the first call
 
 
-class _TimeUp(BaseException):  # no Exception, so that `except Exception` of the code asked does not swallow it
+class _TimeUp(BaseException):  # no Exception, so that `except Exception` of the called code does not swallow it
     pass
 
 
-def ask(question: Callable[[], T], time_limit: float, refusal: Callable[[str], Exception]) -> T:
-    """The answer.
+def guarded_call(call: Callable[[], T], time_limit: float, error_of: Callable[[str], Exception]) -> T:
+    """What a call returns, ended after a time limit; whatever it raises becomes one error.
 
     The limit is kept by an alarm of the operating system: in a process's main thread, on POSIX, and as soon as
     Python runs; code that never comes back from C is not ended. Elsewhere there is no limit.
 
     Args:
-        question: the call.
+        call: what to do.
         time_limit: s of the wall clock, above 0.
-        refusal: makes the error to raise of what went wrong.
+        error_of: makes the error to raise of what went wrong.
     """
     try:
         with _limited_to(time_limit):
-            return question()
+            return call()
     except _TimeUp:
-        raise refusal(f"took longer than {time_limit:g} s") from None
+        raise error_of(f"took longer than {time_limit:g} s") from None
     except (Exception, SystemExit) as error:
-        raise refusal(f"raised {told(error)}") from error
+        raise error_of(f"raised {describe_error(error)}") from error
 
 
-def told(error: BaseException) -> str:
+def describe_error(error: BaseException) -> str:
     """An error in one line: what it is, and the place in which file it was raised."""
     place = traceback.extract_tb(error.__traceback__)[-1]
     return f"{type(error).__name__}: {error} ({Path(place.filename).name}:{place.lineno})"
@@ -56,7 +56,7 @@ def _limited_to(seconds: float) -> Iterator[None]:
     if threading.current_thread() is not threading.main_thread() or not hasattr(signal, "setitimer"):
         yield
         return
-    previous = signal.signal(signal.SIGALRM, _call_time)
+    previous = signal.signal(signal.SIGALRM, _raise_time_up)
     try:
         signal.setitimer(signal.ITIMER_REAL, seconds, _AGAIN)
         try:
@@ -67,11 +67,11 @@ def _limited_to(seconds: float) -> Iterator[None]:
         signal.signal(signal.SIGALRM, previous)
 
 
-def _call_time(_: int, __: FrameType | None) -> None:
+def _raise_time_up(_: int, __: FrameType | None) -> None:
     raise _TimeUp
 
 
-def ask_policy(policy: Policy, observation: Observation, time_limit: float) -> Decision:
+def guarded_decision(policy: Policy, observation: Observation, time_limit: float) -> Decision:
     """The policy's decision.
 
     Args:
@@ -82,7 +82,7 @@ def ask_policy(policy: Policy, observation: Observation, time_limit: float) -> D
     Raises:
         PolicyError: the policy raised, or took too long.
     """
-    return ask(
+    return guarded_call(
         lambda: policy.decide(observation),
         time_limit,
         lambda what: PolicyError(f"{_who(policy, observation)}: {what}"),

@@ -6,13 +6,15 @@ Nothing here holds the truth: a `Frame` is a picture and the camera pose that th
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cell.trajectory import JointTrajectory
 from maskval import Camera, Pose
+
+if TYPE_CHECKING:
+    from cell.trajectory import JointTrajectory
 
 
 class Image(StrEnum):
@@ -224,7 +226,7 @@ class Station(Protocol):
     def take_frame(self, images: frozenset[Image]) -> Frame:
         """A picture from where the camera is now."""
 
-    def follow(self, trajectory: JointTrajectory, watch: frozenset[Touch]) -> Contact | None:
+    def follow(self, trajectory: "JointTrajectory", watch: frozenset[Touch]) -> Contact | None:
         """Moves; stops at once and says why when one of the watched contacts is too strong.
 
         A trajectory that begins at rest begins where the arm is; where one begins in motion, its first sample is where

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from cell.conveyor_tracking import RAMP_TIME, BeltSpeed, Way, at_speed, carried, joining, leaving, ride
+from cell.conveyor_tracking import RAMP_TIME, BeltSpeed, Way, at_speed, carried, joining, leaving, track
 from cell.interfaces import Contact, Station, Touch
 from cell.layout import Layout
 from cell.motion_limits import SpeedPreset
@@ -74,21 +74,21 @@ class Motion:
         """A joint move."""
         return self.station.follow(joint_move(self.station.q, q, self.speed, self.station.time_step), watch)
 
-    def line_to(self, X_BT: Pose, watch: frozenset[Touch] = EVERYTHING, riding: bool = False) -> Contact | None:
+    def line_to(self, X_BT: Pose, watch: frozenset[Touch] = EVERYTHING, tracking: bool = False) -> Contact | None:
         """A straight line of the tool from where it is.
 
         Args:
-            X_BT: its end; where the belt moves and the tool rides on it, where that is now.
+            X_BT: its end; if the tool tracks a moving belt, where that is now.
             watch: contacts that stop it.
-            riding: whether the tool moves with the belt, if the belt moves.
+            tracking: whether the tool moves with the belt, if the belt moves.
 
         Raises:
             Unreachable: the arm cannot follow the line.
         """
         q, step = self.station.q, self.station.time_step
         X_BF = X_BT @ self.layout.gripper.X_FT.inverse()
-        if riding and self.belt_moves:
-            return self._ride(line_poses(forward(q), X_BF, self.speed, step), at_speed, watch)
+        if tracking and self.belt_moves:
+            return self._track(line_poses(forward(q), X_BF, self.speed, step), at_speed, watch)
         trajectory = line_move(forward(q), X_BF, q, self.speed, step)
         if trajectory is None:
             raise Unreachable(f"no straight line to the tool at {X_BT.translation.round(3)} m in the base")
@@ -125,25 +125,25 @@ class Motion:
         if not self.belt_moves:
             return None
         contact = self.station.wait(max(start - self.station.time, 0.0), watch)
-        return contact or self._ride(self._standing(RAMP_TIME), joining, watch)
+        return contact or self._track(self._standing(RAMP_TIME), joining, watch)
 
     def leave_belt(self, watch: frozenset[Touch] = EVERYTHING) -> Contact | None:
         """Comes to rest from the belt's speed; nothing on a belt that stands still."""
-        return self._ride(self._standing(RAMP_TIME), leaving, watch) if self.belt_moves else None
+        return self._track(self._standing(RAMP_TIME), leaving, watch) if self.belt_moves else None
 
     def wait_on_belt(self, duration: float, watch: frozenset[Touch]) -> Contact | None:
         """Stands still as seen from the belt for a time, s."""
         if not self.belt_moves:
             return self.station.wait(duration, watch)
-        return self._ride(self._standing(duration), at_speed, watch)
+        return self._track(self._standing(duration), at_speed, watch)
 
     def _standing(self, duration: float) -> Array:
         return np.repeat(forward(self.station.q).matrix[np.newaxis], round(duration / self.station.time_step), axis=0)
 
-    def _ride(self, X_BF: Array, way: Way, watch: frozenset[Touch]) -> Contact | None:
-        trajectory = ride(X_BF, self.station.q, self.v_B, way, self.station.time_step)
+    def _track(self, X_BF: Array, way: Way, watch: frozenset[Touch]) -> Contact | None:
+        trajectory = track(X_BF, self.station.q, self.v_B, way, self.station.time_step)
         if trajectory is None:
-            raise Unreachable(f"the arm cannot ride on the belt from {X_BF[0, :3, 3].round(3)} m in the base")
+            raise Unreachable(f"the arm cannot track the belt from {X_BF[0, :3, 3].round(3)} m in the base")
         return self.station.follow(trajectory, watch)
 
     @property

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cell.errors import EstimatorError
-from cell.guards import TIME_LIMIT, ask
+from cell.guards import TIME_LIMIT, guarded_call
 from cell.interfaces import Detection, Frame, Image, MaskEstimator, Observation, PoseEstimator, Station
 from cell.part import Part
 from maskval import Estimates, InvalidEstimatesError, Pose, UncertaintyMethod, needs_of
@@ -119,33 +119,33 @@ class Perception:
             depth=frame.depth,
             X_BC=frame.X_BC,
         )
-        u = self._asked(self.method, frame, lambda: np.array(self.method(estimates), dtype=np.float64))
+        u = self._guarded(self.method, frame, lambda: np.array(self.method(estimates), dtype=np.float64))
         if u.shape != (len(detections),) or not np.all((u >= 0.0) & (u <= 1.0)):
-            raise _refusal(self.method, frame, f"expected {len(detections)} uncertainties in [0, 1], got {u}")
+            raise _error(self.method, frame, f"expected {len(detections)} uncertainties in [0, 1], got {u}")
         u.setflags(write=False)
         return u
 
     def _detect(self, frame: Frame) -> tuple[Detection, ...]:
         detector, size = self.detector, (frame.camera.height, frame.camera.width)
-        detections = self._asked(detector, frame, lambda: tuple(detector.detect(frame)))
+        detections = self._guarded(detector, frame, lambda: tuple(detector.detect(frame)))
         for index, detection in enumerate(detections):
             wrong = _wrong_detection(detection, index, size)
             if wrong is not None:
-                raise _refusal(detector, frame, wrong)
+                raise _error(detector, frame, wrong)
         return tuple(sorted(detections, key=lambda detection: -detection.score))
 
     def _estimate(self, estimator: PoseEstimator, frame: Frame, detections: Sequence[Detection]) -> tuple[Pose, ...]:
-        poses = self._asked(estimator, frame, lambda: tuple(estimator.estimate(frame, detections)))
+        poses = self._guarded(estimator, frame, lambda: tuple(estimator.estimate(frame, detections)))
         if len(poses) != len(detections):
-            raise _refusal(estimator, frame, f"expected {len(detections)} poses, one per detection, got {len(poses)}")
+            raise _error(estimator, frame, f"expected {len(detections)} poses, one per detection, got {len(poses)}")
         for index, pose in enumerate(poses):
             if not isinstance(pose, Pose):
                 kind = type(pose).__name__
-                raise _refusal(estimator, frame, f"expected pose {index} to be a maskval.Pose, got {kind}")
+                raise _error(estimator, frame, f"expected pose {index} to be a maskval.Pose, got {kind}")
         return poses
 
-    def _asked(self, who: object, frame: Frame, question: Callable[[], T]) -> T:
-        return ask(question, self.time_limit, lambda what: _refusal(who, frame, what))
+    def _guarded(self, who: object, frame: Frame, call: Callable[[], T]) -> T:
+        return guarded_call(call, self.time_limit, lambda what: _error(who, frame, what))
 
 
 def _wrong_detection(detection: object, index: int, size: tuple[int, int]) -> str | None:
@@ -168,5 +168,5 @@ def _check_network(network: MaskEstimator | PoseEstimator) -> None:
         raise EstimatorError(f"{name}: expected images to be a frozenset of cell.interfaces.Image, got {images!r}")
 
 
-def _refusal(who: object, frame: Frame, what: str) -> EstimatorError:
+def _error(who: object, frame: Frame, what: str) -> EstimatorError:
     return EstimatorError(f"{type(who).__name__} on frame {frame.index}: {what}")

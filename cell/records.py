@@ -36,7 +36,7 @@ class Transition:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Seen:
+class DecisionRecord:
     """An observation and the decision upon it; `decision_index` counts the decisions of an experiment from 0."""
 
     slot: int
@@ -57,7 +57,7 @@ class Seen:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Failed:
+class FailedFrame:
     """A frame upon which nothing was decided, because an estimator, the method or the policy failed.
 
     Attributes:
@@ -111,7 +111,7 @@ class AttemptRecord:
 
 
 @dataclass(frozen=True, slots=True)
-class Slot:
+class TimeSlot:
     """The 20 seconds (more, if an attempt began in time) that one part has; `outcome` is None for a time-out."""
 
     index: int
@@ -121,7 +121,7 @@ class Slot:
 
 
 @dataclass(frozen=True, slots=True)
-class Count:
+class Tally:
     """What an experiment came to. Every slot is a TP, an FP or a time-out; FN are the parts left on the belt."""
 
     parts: int

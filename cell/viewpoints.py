@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from cell.grasping import look_at
 from cell.layout import Layout
 from cell.motion import Motion, Unreachable
-from cell.records import Seen
+from cell.records import DecisionRecord
 from maskval import Pose
 
 SEARCH_DISTANCE = 0.60  # m above the belt: the image's height covers the belt's width up to 60 mm over it
@@ -64,7 +64,7 @@ class SecondLook:
     distance: float
     settle_time: float
 
-    def view(self, seen: Seen) -> Pose:
+    def view(self, seen: DecisionRecord) -> Pose:
         """X_BC of the view that the policy asks for, or of the one straight above the part.
 
         Where the belt moves, both are carried along with the part, to the earliest time at which the camera meets it.
@@ -87,7 +87,7 @@ class SecondLook:
             raise Unreachable("the part will be out of the camera's reach")
         return view_at(meeting)
 
-    def tells_speed(self, before: Seen, seen: Seen) -> bool:
+    def tells_speed(self, before: DecisionRecord, seen: DecisionRecord) -> bool:
         """Learns the belt's speed from two looks at a part, as far as they belong together; returns whether they do."""
         motion = self.motion
         if motion.belt is None:

@@ -20,7 +20,7 @@ from experiments.dataset.rules import Rules
 from experiments.errors import ExperimentsFailedError, UsageError
 from experiments.prediction.config import FitGap, Predict
 from experiments.rendering.config import RenderDataset
-from experiments.setup.actors import Parties
+from experiments.setup.actors import Actors
 from sim.errors import GraphicsError
 from sim.model.conditions import Conditions
 
@@ -32,7 +32,7 @@ _GL_PACKAGES = (
 _USAGE = "Argument help"  # what tyro's explanation of an option begins with
 _ASIDES = ("For full", _USAGE, "Perhaps you meant")  # they fill a screen, not a line
 _PLACE = re.compile(r"^Error parsing (?!--)\S+: ")  # tyro's, before the message of a record that refuses a value
-_GROUPS: dict[str, type[Any]] = {"conditions": Conditions, "parties": Parties, "rules": Rules}  # by the field
+_GROUPS: dict[str, type[Any]] = {"conditions": Conditions, "actors": Actors, "rules": Rules}  # by the field
 _DESCRIPTION = (
     "Closed-loop grasp experiments in simulation that tell which 6D-pose uncertainty can be trusted. "
     "`graspcell COMMAND --help` explains a command."

@@ -16,11 +16,11 @@ import tyro
 from gymnasium import spaces
 from numpy.typing import NDArray
 
-from cell.records import Count
+from cell.records import Tally
 from experiments.commands.config import Compare
 from experiments.errors import UsageError
 from experiments.results.table import Interval, make_cell
-from experiments.setup.actors import Parties
+from experiments.setup.actors import Actors
 from experiments.setup.checks import all_at_least, check_part_and_method
 from experiments.setup.experiment import run_experiment
 from experiments.setup.pool import run_all
@@ -59,9 +59,9 @@ class Learn:
 class Worlds(gymnasium.Wrapper[Any, np.int64]):
     """Gives each experiment the error model that it has in `graspcell compare --gap`."""
 
-    def __init__(self, env: gymnasium.Env[Any, np.int64], part: str, parties: Parties) -> None:
+    def __init__(self, env: gymnasium.Env[Any, np.int64], part: str, actors: Actors) -> None:
         super().__init__(env)
-        self._part, self._parties, self._next = part, parties, 0
+        self._part, self._parties, self._next = part, actors, 0
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         """See `gymnasium.Env`."""
@@ -106,7 +106,7 @@ def make_env(config: Learn) -> LeastUncertain:
     """The environment that is learned in."""
     rewards = Rewards(false_positive=config.false_positive)
     env = gymnasium.make("graspcell:GraspCell-v0", part=config.object, rewards=rewards)
-    return LeastUncertain(Worlds(env, config.object, Parties(gap=config.gap)))
+    return LeastUncertain(Worlds(env, config.object, Actors(gap=config.gap)))
 
 
 def learned(config: Learn) -> Any:
@@ -136,7 +136,7 @@ def learned(config: Learn) -> Any:
     return model
 
 
-def tried_learned(model: Any, config: Learn) -> list[Count]:
+def tried_learned(model: Any, config: Learn) -> list[Tally]:
     """What each of the test's experiments comes to when the model decides."""
     env, counts = make_env(config), []
     for experiment in range(config.experiments):
@@ -148,12 +148,12 @@ def tried_learned(model: Any, config: Learn) -> list[Count]:
             over = terminated or truncated
         if "count" not in info:
             raise RuntimeError(f"experiment {experiment} failed: {info['failure']}")
-        counts.append(Count(**info["count"]))
+        counts.append(Tally(**info["count"]))
     env.close()
     return counts
 
 
-def tried_method(method: str, thresholds: str, config: Learn) -> list[Count]:
+def tried_method(method: str, thresholds: str, config: Learn) -> list[Tally]:
     """The same experiments with a method of the paper and its policy."""
     compare = Compare(
         objects=(config.object,),
@@ -161,19 +161,19 @@ def tried_method(method: str, thresholds: str, config: Learn) -> list[Count]:
         experiments=config.experiments,
         seed=config.seed,
         thresholds=thresholds,
-        parties=Parties(gap=config.gap),
+        actors=Actors(gap=config.gap),
     )
     specs = compare.specs()
     return [_counted(result.count, result.failure) for result in run_all(run_experiment, specs, config.jobs)]
 
 
-def _counted(count: Count | None, failure: str | None) -> Count:
+def _counted(count: Tally | None, failure: str | None) -> Tally:
     if count is None:
         raise RuntimeError(f"an experiment failed: {failure}")
     return count
 
 
-def row(name: str, counts: Sequence[Count]) -> tuple[str, ...]:
+def row(name: str, counts: Sequence[Tally]) -> tuple[str, ...]:
     """A policy's line of the table: averages over experiments, Clopper-Pearson of the pooled counts, bootstrap."""
     cell = make_cell("", name, counts)
     hourly = [3600.0 * count.tp / count.duration for count in counts]
@@ -196,7 +196,7 @@ def main() -> None:
     config = tyro.cli(Learn, prog="python -m experiments.learn")
     try:
         check_part_and_method(config.object, "maskval", load_thresholds("paper"))
-        Parties(gap=config.gap).noise(config.object, 0)
+        Actors(gap=config.gap).noise(config.object, 0)
         all_at_least(config, steps=1, experiments=1, jobs=1)
         Rewards(false_positive=config.false_positive)
         model = learned(config)

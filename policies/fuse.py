@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 from cell.interfaces import Action, Decision, Observation
 from cell.setup import PolicySetup
 from maskval import Pose, mdd
-from policies.threshold import Threshold
+from policies.threshold import ThresholdPolicy
 
 AGREEMENT = 0.015  # m: largest distance of a point of the part between two poses of one and the same part
 BASELINE = 0.10  # m between the cameras of two views; a nearer one repeats the error of the first
@@ -26,17 +26,17 @@ class _View:
 
 
 class Fuse:
-    """Like `Threshold`, but upon averages: of each detection with all earlier views that agree with it.
+    """Like `ThresholdPolicy`, but upon averages: of each detection with all earlier views that agree with it.
 
     Views agree if their cameras stood apart (`BASELINE`) and their poses are close (`AGREEMENT`), each with each. What
     is averaged is u, which is decided upon, and the pose, which is grasped. On a moving belt a part is elsewhere in the
-    next view: none agree (but at less than a few mm/s), and the rule is `Threshold`'s.
+    next view: none agree (but at less than a few mm/s), and the rule is `ThresholdPolicy`'s.
     """
 
     def __init__(self, setup: PolicySetup) -> None:
         self._mesh = setup.part.mesh
         self._center_O = setup.part.mesh.bounds.mean(axis=0)
-        self._rule = Threshold(setup.u_grasp, setup.u_refine)
+        self._rule = ThresholdPolicy(setup.u_grasp, setup.u_refine)
         self._seen: list[_View] = []
 
     def decide(self, observation: Observation) -> Decision:

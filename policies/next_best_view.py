@@ -8,14 +8,14 @@ from numpy.typing import NDArray
 from cell.interfaces import Action, Decision, Observation
 from cell.setup import PolicySetup
 from maskval import Camera, Mesh, Pose, silhouette, silhouette_iou
-from policies.threshold import Threshold
+from policies.threshold import ThresholdPolicy
 from policies.views import views_around
 
 ERROR = 0.010  # m by which the six errors below move the part, or its farthest point: twice what every grasp forgives
 
 
 class NextBestView:
-    """Like `Threshold`, but takes the second look from the view in reach that shows errors of the pose best.
+    """Like `ThresholdPolicy`, but takes the second look from the view in reach that shows errors of the pose best.
 
     A pose can be wrong in six ways: shifted along x, y or z, or turned about them. An error shows in a view by the
     share of the silhouette that it changes, s = 1 − IoU of the silhouettes before and after. What the present view
@@ -25,7 +25,7 @@ class NextBestView:
 
     def __init__(self, setup: PolicySetup) -> None:
         self._setup = setup
-        self._rule = Threshold(setup.u_grasp, setup.u_refine)
+        self._rule = ThresholdPolicy(setup.u_grasp, setup.u_refine)
 
     def decide(self, observation: Observation) -> Decision:
         """See `cell.interfaces.Policy`."""

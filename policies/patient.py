@@ -4,21 +4,21 @@ from dataclasses import replace
 
 from cell.interfaces import Action, Decision, Observation
 from cell.setup import PolicySetup
-from policies.threshold import Threshold
+from policies.threshold import ThresholdPolicy
 from policies.views import views_around
 
 LEAST_TIME = 2.5  # s: a move and a look take 2 s at the UR's default speed, and an attempt must begin in time
 
 
 class Patient:
-    """Like `Threshold`, but as long as u_grasp < u ≤ u_refine looks at the part again: from above, then from its sides.
+    """Like `ThresholdPolicy`, but looks again while u_grasp < u ≤ u_refine: from above, then from the part's sides.
 
     It searches on when it has taken every view that the arm reaches, or when there is no time for another one.
     """
 
     def __init__(self, setup: PolicySetup) -> None:
         self._setup = setup
-        self._rule = Threshold(setup.u_grasp, setup.u_refine)
+        self._rule = ThresholdPolicy(setup.u_grasp, setup.u_refine)
         self._looks = 0  # second looks since the last view of the search
 
     def decide(self, observation: Observation) -> Decision:

@@ -6,7 +6,7 @@ from cell.interfaces import Action, Decision, Observation
 
 
 @dataclass(frozen=True, slots=True)
-class Threshold:
+class ThresholdPolicy:
     """Acts on the least uncertain detection: u ≤ u_grasp grasps, else u ≤ u_refine looks again, once, else searches on.
 
     Attributes:

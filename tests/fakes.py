@@ -16,7 +16,7 @@ from cell.interfaces import Contact, Detection, Frame, Image, Listener, Observat
 from cell.layout import Belt, Layout
 from cell.part import Grasp, Part
 from cell.perception import Perception
-from cell.records import AttemptRecord, Count, Seen, Slot, State, Transition
+from cell.records import AttemptRecord, DecisionRecord, State, Tally, TimeSlot, Transition
 from cell.setup import PolicySetup
 from cell.trajectory import JointTrajectory
 from cell.ur10 import forward
@@ -315,7 +315,7 @@ class Records:
 class Experiment:
     """A cycle that has run, with everything that took part in it."""
 
-    count: Count
+    count: Tally
     records: Records
     station: FakeStation
     referee: FakeReferee
@@ -325,16 +325,16 @@ class Experiment:
         return self.records.of(Transition)
 
     @property
-    def seen(self) -> list[Seen]:
-        return self.records.of(Seen)
+    def seen(self) -> list[DecisionRecord]:
+        return self.records.of(DecisionRecord)
 
     @property
     def attempts(self) -> list[AttemptRecord]:
         return self.records.of(AttemptRecord)
 
     @property
-    def slots(self) -> list[Slot]:
-        return self.records.of(Slot)
+    def slots(self) -> list[TimeSlot]:
+        return self.records.of(TimeSlot)
 
 
 def run_cycle(

@@ -11,10 +11,10 @@ from tqdm import tqdm
 
 from experiments.calibration.config import Calibrate
 from experiments.calibration.fit import Fit, fit
-from experiments.calibration.images import ImageSet, Trial, run_trial
+from experiments.calibration.images import ErrorModelTrial, ImageSet, run_trial
 from experiments.calibration.noise_file import rewrite
 from experiments.calibration.report import Fitted, Member, as_json, format_report
-from experiments.calibration.targets import GROUPS, Calibration, Prior, Target, load_calibration, values_at
+from experiments.calibration.targets import GROUPS, Calibration, FitTarget, Prior, load_calibration, values_at
 from experiments.results.provenance import manifest, write_json
 from experiments.setup.checks import writable_folder
 from experiments.setup.pool import Run, workers
@@ -69,7 +69,7 @@ class _Bench:
     def figures(self, models: Sequence[PartNoise], *, methods: bool) -> list[Figures]:
         """The figures that each error model gives."""
         found: list[Figures] = []
-        for of_masks, of_methods in self.run(run_trial, [Trial(self.images, one, methods) for one in models]):
+        for of_masks, of_methods in self.run(run_trial, [ErrorModelTrial(self.images, one, methods) for one in models]):
             groups = {"mask": of_masks, **of_methods}
             found.append(
                 {(group, name): value for group, row in groups.items() for name, value in row._asdict().items()}
@@ -96,7 +96,7 @@ def _fit(bench: _Bench, calibration: Calibration, noise: PartNoise, config: Cali
 
 
 def _misses(
-    bench: _Bench, noise: PartNoise, priors: tuple[Prior, ...], targets: tuple[Target, ...], points: Sequence[Array]
+    bench: _Bench, noise: PartNoise, priors: tuple[Prior, ...], targets: tuple[FitTarget, ...], points: Sequence[Array]
 ) -> list[Array]:
     """(figure − target) / sd at each of many points."""
     methods = any(target.group != "mask" for target in targets)
@@ -104,7 +104,7 @@ def _misses(
     return [miss(targets, figures) for figures in bench.figures(models, methods=methods)]
 
 
-def miss(targets: Sequence[Target], figures: Figures) -> Array:
+def miss(targets: Sequence[FitTarget], figures: Figures) -> Array:
     """(figure − target) / sd of each target, (T,), held to ± UNREACHED; −UNREACHED for a figure that does not exist."""
     rows = [
         -UNREACHED if (value := figures[target.group, target.figure]) is None else (value - target.value) / target.sd

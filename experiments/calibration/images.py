@@ -18,7 +18,7 @@ from experiments.dataset.rules import ANNOTATED_VISIBILITY, Rules
 from maskval import ImageErrors, PackedMasks, add, match_images, mdd, uncertainty
 from sim.images.test_image_estimates import ImageLatents, detect, draw_latents, estimate
 from sim.images.test_images import ImageTruth, Recipe, make_image
-from sim.instance_ids import NOTHING, PIXEL_CENTER
+from sim.instance_ids import NO_INSTANCE, PIXEL_CENTER
 from sim.model.parts import load_part
 from sim.networks.noise_model import MaskNoise, PartNoise, PoseNoise
 from sim.networks.random_streams import Streams
@@ -36,7 +36,7 @@ class ImageSet:
 
 
 @dataclass(frozen=True, slots=True)
-class Trial:
+class ErrorModelTrial:
     """An error model to be tried on a set of images; `methods` asks for the methods' figures as well."""
 
     images: ImageSet
@@ -58,7 +58,7 @@ class Found:
 
     Attributes:
         masks: packed.
-        parts: the part that each shows, or `NOTHING`.
+        parts: the part that each shows, or `NO_INSTANCE`.
         false: the masks of those that show none, by index.
     """
 
@@ -67,7 +67,7 @@ class Found:
     false: dict[int, Mask]
 
 
-def run_trial(trial: Trial) -> tuple[MaskFigures, dict[str, Figures]]:
+def run_trial(trial: ErrorModelTrial) -> tuple[MaskFigures, dict[str, Figures]]:
     """The detector's figures, and each method's if they are asked for."""
     found, of_masks = _detections(trial.images, trial.noise.mask)
     return of_masks, _method_figures(trial.images, found, trial.noise.pose) if trial.methods else {}
@@ -96,8 +96,8 @@ def _detections(images: ImageSet, noise: MaskNoise) -> tuple[list[Found], MaskFi
 
 def _packed(truth: ImageTruth, masks: list[Mask]) -> Found:
     parts = tuple(truth.shown_by(mask) for mask in masks)
-    stack = np.array(masks, dtype=np.bool_).reshape(-1, *truth.part_numbers.shape)
-    false = {index: masks[index] for index, part in enumerate(parts) if part == NOTHING}
+    stack = np.array(masks, dtype=np.bool_).reshape(-1, *truth.instance_ids.shape)
+    false = {index: masks[index] for index, part in enumerate(parts) if part == NO_INSTANCE}
     return Found(PackedMasks.pack(stack), parts, false)
 
 
@@ -110,7 +110,7 @@ def _method_figures(images: ImageSet, found: list[Found], noise: PoseNoise) -> d
         )
         table = np.full((len(one.parts), len(image.truth.X_CO_true)), np.inf)
         for index, part in enumerate(one.parts):
-            if part != NOTHING:
+            if part != NO_INSTANCE:
                 table[index, part] = mdd(first[index], image.truth.X_CO_true[part], mesh.vertices)
         errors.append(ImageErrors(table, np.zeros(len(first)), image.truth.visibility))
         u.append(uncertainty(mesh, first, one.masks, camera, pixel_center=PIXEL_CENTER).u)

@@ -27,7 +27,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)
-class Target:
+class FitTarget:
     """A figure of the paper's tables.
 
     Attributes:
@@ -87,10 +87,10 @@ class Prior:
 class Calibration:
     """Targets and priors of one kind of part."""
 
-    targets: tuple[Target, ...]
+    targets: tuple[FitTarget, ...]
     priors: tuple[Prior, ...]
 
-    def targets_of(self, *groups: str) -> tuple[Target, ...]:
+    def targets_of(self, *groups: str) -> tuple[FitTarget, ...]:
         """The targets of these groups."""
         return tuple(target for target in self.targets if target.group in groups)
 
@@ -118,7 +118,7 @@ def load_calibration(name_or_file: str, noise: PartNoise) -> Calibration:
     try:
         table = tomllib.loads(text)
         targets = tuple(
-            Target(group, figure, _number(row, "value"), _positive(row, "sd"))
+            FitTarget(group, figure, _number(row, "value"), _positive(row, "sd"))
             for group, rows in table["target"].items()
             for figure, row in rows.items()
         )
@@ -176,7 +176,7 @@ def _coordinate(value: float, low: float, high: float) -> float:
     """The coordinate without ends of a parameter within its bounds."""
     least = -1.0 if low < 0.0 else 0.0
     if not least < value < (1.0 if high <= 1.0 else math.inf):
-        raise ValueError(f"expected a value inside its parameter's range, not at its end, came {value:g}")
+        raise ValueError(f"expected a value inside its parameter's range, not at its end, got {value:g}")
     if low < 0.0:
         return math.atanh(value)
     return math.log(value / (1.0 - value)) if high <= 1.0 else math.log(value)
@@ -185,12 +185,12 @@ def _coordinate(value: float, low: float, high: float) -> float:
 def _number(row: dict[str, Any], key: str) -> float:
     value = row[key]
     if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-        raise ValueError(f"expected {key} to be a number, came {value!r}")
+        raise ValueError(f"expected {key} to be a number, got {value!r}")
     return float(value)
 
 
 def _positive(row: dict[str, Any], key: str) -> float:
     value = _number(row, key)
     if value <= 0.0:
-        raise ValueError(f"expected {key} above 0, came {value:g}")
+        raise ValueError(f"expected {key} above 0, got {value:g}")
     return value

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from tqdm import tqdm
 
-from cell.records import Count
+from cell.records import Tally
 from experiments.commands.config import Compare
 from experiments.results.paired import Paired, format_paired, pair
 from experiments.results.provenance import manifest, write_json
@@ -16,10 +16,10 @@ from experiments.results.report import format_table
 from experiments.results.store import LogWriter
 from experiments.results.table import Cell, make_cell
 from experiments.setup.checks import FAILED, writable_folder
-from experiments.setup.experiment import ExperimentSpec, Result, run_experiment
+from experiments.setup.experiment import ExperimentResult, ExperimentSpec, run_experiment
 from experiments.setup.methods import known_method
 from experiments.setup.pool import run_all
-from policies import Threshold
+from policies import ThresholdPolicy
 from sim.errors import SimError
 from sim.model.conditions import Conditions
 from sim.model.parts import load_part
@@ -56,9 +56,9 @@ def compare(config: Compare) -> int:
             "u_grasp": grasp_thresholds(specs),
         },
     )
-    if config.parties.policy is not None:
-        print(f"policy: {config.parties.policy}")
-    as_paper = config.parties.policy is None and config.conditions == Conditions()
+    if config.actors.policy is not None:
+        print(f"policy: {config.actors.policy}")
+    as_paper = config.actors.policy is None and config.conditions == Conditions()
     print(format_table(cells, as_paper=as_paper))
     print(format_paired(pairs), end="\n" if pairs else "")
     for caveat in caveats(specs):
@@ -75,9 +75,11 @@ def compare(config: Compare) -> int:
     return FAILED if any(result.failure is not None for result in results) else 0
 
 
-def _run(specs: Sequence[ExperimentSpec], workers: int, folder: Path) -> tuple[list[Result], tuple[str, int] | None]:
+def _run(
+    specs: Sequence[ExperimentSpec], workers: int, folder: Path
+) -> tuple[list[ExperimentResult], tuple[str, int] | None]:
     """Runs the experiments and writes their logs; what is finished, and what ended it early with which exit code."""
-    results: list[Result] = []
+    results: list[ExperimentResult] = []
     with (
         LogWriter(folder) as logs,
         tqdm(total=len(specs), unit="experiment", dynamic_ncols=True) as progress,
@@ -99,15 +101,15 @@ def _run(specs: Sequence[ExperimentSpec], workers: int, folder: Path) -> tuple[l
     return results, None
 
 
-def make_cells(specs: Sequence[ExperimentSpec], results: Sequence[Result]) -> list[Cell]:
+def make_cells(specs: Sequence[ExperimentSpec], results: Sequence[ExperimentResult]) -> list[Cell]:
     """One cell per object and method that has at least one result, in the order of the specs."""
-    counts: dict[tuple[str, str], list[Count | None]] = {(spec.part, spec.method): [] for spec in specs}
+    counts: dict[tuple[str, str], list[Tally | None]] = {(spec.part, spec.method): [] for spec in specs}
     for result in results:
         counts[result.spec.part, result.spec.method].append(result.count)
     return [make_cell(load_part(part).part.name, method, group) for (part, method), group in counts.items() if group]
 
 
-def make_pairs(specs: Sequence[ExperimentSpec], results: Sequence[Result]) -> list[Paired]:
+def make_pairs(specs: Sequence[ExperimentSpec], results: Sequence[ExperimentResult]) -> list[Paired]:
     """Every method beside the reference, object by object, over the experiments that both have finished.
 
     Experiments with one and the same error model of a domain gap are no independent ones: they are a group.
@@ -115,7 +117,7 @@ def make_pairs(specs: Sequence[ExperimentSpec], results: Sequence[Result]) -> li
     counts = {_place(result.spec): result.count for result in results}
     pairs = []
     for part in dict.fromkeys(spec.part for spec in specs):
-        groups: dict[str, dict[object, list[Count | None]]] = {}
+        groups: dict[str, dict[object, list[Tally | None]]] = {}
         for spec in specs:
             if spec.part == part:
                 world = spec.noise or spec.experiment
@@ -134,7 +136,7 @@ def grasp_thresholds(specs: Sequence[ExperimentSpec]) -> dict[str, dict[str, flo
     for spec in {(spec.part, spec.method): spec for spec in specs}.values():
         part = load_part(spec.part).part
         policy = known_method(spec.method, part, spec.thresholds).policy
-        if isinstance(policy, Threshold):
+        if isinstance(policy, ThresholdPolicy):
             found.setdefault(part.name, {})[spec.method] = policy.u_grasp
     return found
 

@@ -10,15 +10,15 @@ from typing import TYPE_CHECKING
 import tyro
 
 from experiments.errors import UsageError
-from experiments.setup.actors import Parties
+from experiments.setup.actors import Actors
 from experiments.setup.checks import all_at_least, check_cell, check_part_and_method, one_of, worker_count
 from sim.model.conditions import Conditions
 
 if TYPE_CHECKING:
     from experiments.setup.experiment import ExperimentSpec
 
-Disturbances = tyro.conf.OmitArgPrefixes[Conditions]  # --light, not --conditions.light
-Players = tyro.conf.OmitArgPrefixes[Parties]
+ConditionOptions = tyro.conf.OmitArgPrefixes[Conditions]  # --light, not --conditions.light
+ActorOptions = tyro.conf.OmitArgPrefixes[Actors]
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,7 @@ class Compare:
     """Parts on the belt per experiment, each with 20 s of time; 1 to 8."""
     seed: int = 0
     """Root of all random numbers."""
-    parties: Players = field(default_factory=Parties)
+    actors: ActorOptions = field(default_factory=Actors)
     """Who sees and who decides."""
     thresholds: str = "derived"
     """A preset (derived, paper), or a TOML file of the same form, such as graspcell dataset writes."""
@@ -50,7 +50,7 @@ class Compare:
     """How fast the arm moves: ur-default, moderate, fast."""
     fresh_look: bool = True
     """On a moving belt, look at a part again before it is grasped."""
-    conditions: Disturbances = field(default_factory=Conditions)
+    conditions: ConditionOptions = field(default_factory=Conditions)
     """What disturbs the cell."""
     jobs: int = 0
     """Processes to run experiments in; 0 takes one per core. The results do not depend on it."""
@@ -80,12 +80,12 @@ class Compare:
         if len(names) < len(self.objects):
             raise UsageError(f"--objects has files of the same part name: {' '.join(self.objects)}")
         for part, method in product(self.objects, methods):
-            self.parties.check(part, method, thresholds)
+            self.actors.check(part, method, thresholds)
         return [
             ExperimentSpec(
                 part=part,
                 method=method,
-                estimator=self.parties.estimator,
+                estimator=self.actors.estimator,
                 thresholds=thresholds,
                 speed=self.speed,
                 parts=self.parts,
@@ -93,10 +93,10 @@ class Compare:
                 experiment=experiment,
                 conditions=self.conditions,
                 fresh_look=self.fresh_look,
-                policy=self.parties.policy,
-                recorded=self.parties.recorded,
-                time_limit=self.parties.time_limit,
-                noise=self.parties.noise(part, experiment),
+                policy=self.actors.policy,
+                recorded=self.actors.recorded,
+                time_limit=self.actors.time_limit,
+                noise=self.actors.noise(part, experiment),
             )
             for part in self.objects
             for method in methods
@@ -128,7 +128,7 @@ class Run:
     """Parts on the belt, each with 20 s of time; 1 to 8."""
     seed: int = 0
     """Root of all random numbers."""
-    parties: Players = field(default_factory=Parties)
+    actors: ActorOptions = field(default_factory=Actors)
     """Who sees and who decides."""
     thresholds: str = "derived"
     """A preset (derived, paper), or a TOML file of the same form, such as graspcell dataset writes."""
@@ -138,7 +138,7 @@ class Run:
     """How fast the arm moves: ur-default, moderate, fast."""
     fresh_look: bool = True
     """On a moving belt, look at a part again before it is grasped."""
-    conditions: Disturbances = field(default_factory=Conditions)
+    conditions: ConditionOptions = field(default_factory=Conditions)
     """What disturbs the cell."""
     out: Path | None = None
     """Folder for the logs; none are written without it."""
@@ -157,11 +157,11 @@ class Run:
         told = () if self.u_grasp is None else (f"{self.method}={self.u_grasp}",)
         thresholds = load_thresholds(self.thresholds).with_told(told, (self.method,))
         check_part_and_method(self.object, self.method, thresholds)
-        self.parties.check(self.object, self.method, thresholds)
+        self.actors.check(self.object, self.method, thresholds)
         return ExperimentSpec(
             part=self.object,
             method=self.method,
-            estimator=self.parties.estimator,
+            estimator=self.actors.estimator,
             thresholds=thresholds,
             speed=self.speed,
             parts=self.parts,
@@ -169,10 +169,10 @@ class Run:
             experiment=self.experiment,
             conditions=self.conditions,
             fresh_look=self.fresh_look,
-            policy=self.parties.policy,
-            recorded=self.parties.recorded,
-            time_limit=self.parties.time_limit,
-            noise=self.parties.noise(self.object, self.experiment),
+            policy=self.actors.policy,
+            recorded=self.actors.recorded,
+            time_limit=self.actors.time_limit,
+            noise=self.actors.noise(self.object, self.experiment),
         )
 
 

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cell.interfaces import Action, Decision
-from cell.records import AttemptRecord, Seen, Slot, State, Transition
+from cell.records import AttemptRecord, DecisionRecord, State, TimeSlot, Transition
 from experiments.commands.config import Run
 from experiments.results.provenance import manifest, write_json
 from experiments.results.store import LogWriter
@@ -12,7 +12,7 @@ from experiments.setup.checks import FAILED, writable_folder
 from experiments.setup.experiment import run_experiment
 from maskval import mdd
 from sim.model.parts import load_part
-from sim.networks.ground_truth import TruthBooth
+from sim.networks.ground_truth import LatestTruth
 
 _TOLD = (State.RETREAT, State.REFINE)  # changes of state whose reason says more than their name
 
@@ -27,8 +27,8 @@ def run(config: Run) -> int:
     folder = None if config.out is None else writable_folder(config.out)
     mesh = load_part(spec.part).part.mesh
 
-    def tell(record: object, booth: TruthBooth) -> None:
-        for line in lines(record, booth, mesh.vertices):
+    def tell(record: object, latest_truth: LatestTruth) -> None:
+        for line in lines(record, latest_truth, mesh.vertices):
             print(line, flush=True)
 
     print(f"{spec.part} × {spec.method}, experiment {spec.experiment} of seed {spec.seed}, {spec.estimator} estimators")
@@ -48,16 +48,16 @@ def run(config: Run) -> int:
     return 0
 
 
-def lines(record: object, booth: TruthBooth, vertices_O: NDArray[np.float64]) -> list[str]:
+def lines(record: object, latest_truth: LatestTruth, vertices_O: NDArray[np.float64]) -> list[str]:
     """What a record says to a person; errors against the truth are marked as such."""
     match record:
-        case Seen():
-            return _seen_lines(record, booth, vertices_O)
+        case DecisionRecord():
+            return _seen_lines(record, latest_truth, vertices_O)
         case AttemptRecord():
             cause = f" ({record.contact.force:.0f} N in {record.last_state})" if record.contact else ""
             grasp = f"grasp {record.grasp}" if record.grasp else "no grasp"
             return [f"{record.end:7.2f} s  attempt on detection {record.detection}, {grasp}: {record.outcome}{cause}"]
-        case Slot():
+        case TimeSlot():
             outcome = "time-out" if record.outcome is None else record.outcome
             return [f"{record.end:7.2f} s  part {record.index + 1}: {outcome} after {record.end - record.start:.1f} s"]
         case Transition() if record.target in _TOLD or _is_second_thought(record):
@@ -70,10 +70,10 @@ def _is_second_thought(change: Transition) -> bool:
     return change.target is State.DECIDE and change.source is not State.LOOK
 
 
-def _seen_lines(seen: Seen, booth: TruthBooth, vertices_O: NDArray[np.float64]) -> list[str]:
+def _seen_lines(seen: DecisionRecord, latest_truth: LatestTruth, vertices_O: NDArray[np.float64]) -> list[str]:
     observation, decision = seen.observation, seen.decision
     frame = observation.frame
-    truth = booth.of(frame)
+    truth = latest_truth.of(frame)
     what = "second look" if observation.refining else "look"
     told = [f"{frame.time:7.2f} s  {what}, frame {frame.index}: {len(observation.detections)} detections"]
     for index, detection in enumerate(observation.detections):

@@ -11,15 +11,15 @@ from cell.interfaces import Outcome
 from cell.records import AttemptRecord
 from experiments.commands.config import Tolerance
 from experiments.results.provenance import manifest, write_json
-from experiments.results.tolerance_curve import Level, format_levels
+from experiments.results.tolerance_curve import CurvePoint, format_curve
 from experiments.setup.checks import writable_folder
-from experiments.setup.experiment import ExperimentSpec, make_cycle
+from experiments.setup.experiment import ExperimentSpec, kept_cell, make_cycle
 from experiments.setup.pool import run_all
 from maskval import MaskvalError, proportion_interval
 from sim.errors import SimError
 from sim.model.parts import load_part
 from sim.networks.estimators import ErrorPoses, OracleMasks
-from sim.networks.ground_truth import TruthBooth
+from sim.networks.ground_truth import LatestTruth
 from sim.networks.noise_model import load_noise
 from sim.networks.random_streams import Streams
 
@@ -50,18 +50,20 @@ def tolerance(config: Tolerance) -> int:
         from experiments.results.figures import draw_tolerance  # noqa: PLC0415  # needs an extra
 
         draw_tolerance(levels, folder / "tolerance.png")
-    print(format_levels(levels))
+    print(format_curve(levels))
     print(f"results in {folder}")
     return 0
 
 
 def run_trial(trial: Trial) -> str:
     """What the first attempt on the part came to; why there was none, if none was made in the part's time."""
-    model, spec = load_part(trial.spec.part), trial.spec
-    booth = TruthBooth()
+    spec = trial.spec
+    cell = kept_cell(*spec.cell)
+    model = cell.world.part_model
+    latest_truth = LatestTruth()
     noise = load_noise(model.noise)
     streams = Streams(spec.seed, spec.experiment, model.part.name)
-    poses = ErrorPoses(booth, model.part, noise, streams, trial.mdd_mm / 1000.0)
+    poses = ErrorPoses(latest_truth, model.part, noise, streams, trial.mdd_mm / 1000.0)
     attempts: list[AttemptRecord] = []
 
     def listen(record: object) -> None:
@@ -69,13 +71,15 @@ def run_trial(trial: Trial) -> str:
             attempts.append(record)
 
     try:
-        make_cycle(spec, model, booth, listen, estimators=(OracleMasks(booth, noise), (poses, poses))).run()
+        make_cycle(
+            spec, cell, latest_truth, listen, estimators=(OracleMasks(latest_truth, noise), (poses, poses))
+        ).run()
     except (CellError, SimError, MaskvalError) as error:
         return f"failed by {type(error).__name__}"
     return attempts[0].outcome.value if attempts else "no attempt"
 
 
-def summarise(trials: Sequence[Trial], outcomes: Sequence[str]) -> list[Level]:
+def summarise(trials: Sequence[Trial], outcomes: Sequence[str]) -> list[CurvePoint]:
     """One level per part and error, in the order of the trials."""
     groups: dict[tuple[str, float], list[str]] = {}
     for trial, outcome in zip(trials, outcomes, strict=True):
@@ -84,7 +88,7 @@ def summarise(trials: Sequence[Trial], outcomes: Sequence[str]) -> list[Level]:
     for (part, mdd_mm), group in groups.items():
         placed = group.count(Outcome.PLACED.value)
         levels.append(
-            Level(
+            CurvePoint(
                 object=part,
                 mdd_mm=mdd_mm,
                 trials=len(group),

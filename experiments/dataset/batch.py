@@ -17,9 +17,9 @@ from experiments.setup.thresholds import Thresholds
 from maskval import Camera, Estimates, Mesh, UncertaintyMethod, add, mdd, needs_of
 from sim.images.test_image_estimates import NETWORKS, ImageEstimates, estimate_image
 from sim.images.test_images import ImageTruth, Recipe, draw_nearest, make_image
-from sim.instance_ids import NOTHING, PIXEL_CENTER
+from sim.instance_ids import NO_INSTANCE, PIXEL_CENTER
 from sim.model.parts import load_part
-from sim.networks.ground_truth import FrameTruth, TruthBooth
+from sim.networks.ground_truth import FrameTruth, LatestTruth
 from sim.networks.noise_model import load_noise
 from sim.networks.random_streams import Streams
 
@@ -54,7 +54,7 @@ class Judged:
     Attributes:
         poses: poses of each image, (I,).
         parts: parts of each image, (I,).
-        pose_part: part of each pose, counted in its image, or `NOTHING`, (N,).
+        pose_part: part of each pose, counted in its image, or `NO_INSTANCE`, (N,).
         mdd_m: error of each pose, infinite without a part, (N,).
         disagreement_m: ADD between S1 and S2, (N,).
         u: uncertainty of each pose by the method's name, (N,) each; Ensemble-ADD's on a scale from 0 m.
@@ -90,15 +90,15 @@ def run_batch(task: BatchTask) -> tuple[Judged, Matches]:
     """What is known of the images of a task: a function of its fields, whatever is asked for beside it."""
     model, camera = load_part(task.object), default_camera()
     noise, mesh = load_noise(model.noise), model.part.mesh
-    booth = TruthBooth()
-    methods = make_uncertainties(task.methods, model.part, Streams(task.seed, 0, model.part.name), booth)
+    latest_truth = LatestTruth()
+    methods = make_uncertainties(task.methods, model.part, Streams(task.seed, 0, model.part.name), latest_truth)
     annotations, images = Annotations(), []
     for number in task.images:
         streams = Streams(task.seed, number, model.part.name)
         truth = make_image(mesh, camera, Recipe(), streams)
         estimates = estimate_image(truth, mesh, camera, noise, streams)
         annotate(annotations, truth, estimates.detections, task.annotated_visibility)
-        booth.keep(FrameTruth(number, truth.part_numbers, truth.X_CO_true, camera))
+        latest_truth.keep(FrameTruth(number, truth.instance_ids, truth.X_CO_true, camera))
         images.append(_judge(truth, estimates, mesh, camera, methods))
     return Judged.join(images), annotations.matches()
 
@@ -110,7 +110,7 @@ def annotate(annotations: Annotations, truth: ImageTruth, detections: Sequence[D
 
 
 def make_uncertainties(
-    names: Sequence[str], part: Part, streams: Streams, booth: TruthBooth
+    names: Sequence[str], part: Part, streams: Streams, latest_truth: LatestTruth
 ) -> dict[str, UncertaintyMethod]:
     """The methods by name, Ensemble-ADD on a scale from 0 m.
 
@@ -118,7 +118,7 @@ def make_uncertainties(
         UsageError: a method does not exist, or needs several views of a scene: test images show another one each.
     """
     from_zero = Thresholds("of this set", refine=0.0, grasp={}, ensemble_add_minimum={part.name: 0.0})
-    context = Context(part, from_zero, streams, booth)
+    context = Context(part, from_zero, streams, latest_truth)
     made = {name: make_uncertainty(name, context) for name in names}
     for name, method in made.items():
         needs = needs_of(method)
@@ -136,7 +136,7 @@ def _judge(
 ) -> Judged:
     first, second = found.poses
     depth = any(needs_of(method).depth for method in methods.values())
-    shown = [truth.X_CO_true[part] if part != NOTHING else None for part in found.parts]
+    shown = [truth.X_CO_true[part] if part != NO_INSTANCE else None for part in found.parts]
     errors = (
         np.inf if X_true is None else mdd(X_est, X_true, mesh.vertices)
         for X_est, X_true in zip(first, shown, strict=True)

@@ -91,7 +91,7 @@ class Dataset:
         from experiments.dataset.batch import make_uncertainties
         from sim.errors import SimError
         from sim.model.parts import load_part
-        from sim.networks.ground_truth import TruthBooth
+        from sim.networks.ground_truth import LatestTruth
         from sim.networks.noise_model import load_noise
         from sim.networks.random_streams import Streams
 
@@ -109,7 +109,7 @@ class Dataset:
             for part in self.objects:
                 model = load_part(part)
                 load_noise(model.noise)
-                make_uncertainties(methods, model.part, Streams(0, 0, model.part.name), TruthBooth())
+                make_uncertainties(methods, model.part, Streams(0, 0, model.part.name), LatestTruth())
         except SimError as error:
             raise UsageError(str(error)) from error
         if len(set(names)) < len(names):

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from cell.records import Count
+from cell.records import Tally
 from experiments.prediction.agreement import mmrv, pearson
 from maskval.intervals import percentile_interval
 
@@ -69,7 +69,7 @@ class PredictedCell:
 
 
 def predict_cell(
-    part: str, method: str, worlds: Sequence[Sequence[Count]], paper: tuple[float, float] | None, seed: int
+    part: str, method: str, worlds: Sequence[Sequence[Tally]], paper: tuple[float, float] | None, seed: int
 ) -> PredictedCell:
     """A cell from the counts of each world's experiments.
 

@@ -6,13 +6,13 @@ from contextlib import closing
 
 from tqdm import tqdm
 
-from cell.records import Count
+from cell.records import Tally
 from experiments.errors import ExperimentsFailedError
 from experiments.setup.experiment import ExperimentSpec, run_experiment
 from experiments.setup.pool import run_all
 
 
-def count_all(specs: Sequence[ExperimentSpec], jobs: int, description: str) -> list[Count]:
+def count_all(specs: Sequence[ExperimentSpec], jobs: int, description: str) -> list[Tally]:
     """What each experiment came to.
 
     Raises:
@@ -34,7 +34,7 @@ def count_all(specs: Sequence[ExperimentSpec], jobs: int, description: str) -> l
     return counts
 
 
-def count(spec: ExperimentSpec) -> tuple[Count | None, str | None]:
+def count(spec: ExperimentSpec) -> tuple[Tally | None, str | None]:
     """An experiment's count, or the reason why there is none."""
     result = run_experiment(spec)
     return result.count, result.failure

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from cell.records import Count
+from cell.records import Tally
 from experiments.prediction.config import FitGap
 from experiments.prediction.counting import count_all
 from experiments.prediction.gap_fit import GapFit, design, fit_gap
@@ -58,7 +58,7 @@ def gap(config: FitGap) -> int:
     return 0
 
 
-def _report(part: str, paper: tuple[float, float], grid: list[list[Count]], found: GapFit) -> str:
+def _report(part: str, paper: tuple[float, float], grid: list[list[Tally]], found: GapFit) -> str:
     lines = [
         f"{part} without uncertainty quantification; the paper has AP {paper[0]:.1%}, AR {paper[1]:.1%}",
         "core scale  outlier odds   AP %   AR %  void  time-outs",

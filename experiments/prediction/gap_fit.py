@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import RegularGridInterpolator
 
-from cell.records import Count
+from cell.records import Tally
 from experiments.errors import UsageError
 from experiments.prediction.gap import Gap
 
@@ -69,7 +69,7 @@ def design() -> list[Gap]:
     return [Gap(scale, odds) for scale, odds in product(CORE_SCALES, OUTLIER_ODDS)]
 
 
-def fit_gap(counts: Sequence[Sequence[Count]], paper: tuple[float, float]) -> GapFit:
+def fit_gap(counts: Sequence[Sequence[Tally]], paper: tuple[float, float]) -> GapFit:
     """The gap that the paper's row speaks for.
 
     Args:

@@ -44,7 +44,7 @@ def render_dataset(config: RenderDataset) -> int:
     """
     config.check()
     write_model(config.out, load_part(config.object).part.mesh, default_camera())
-    asked: list[bop.Target] = []
+    asked: list[bop.EvaluationTarget] = []
     try:
         for scene_id, labels in _scenes(config):
             write_scene(_scene_folder(config, scene_id), labels)

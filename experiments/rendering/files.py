@@ -75,10 +75,10 @@ def write_scene(scene: Path, labels: Mapping[int, Labels]) -> None:
     bop.write_scene_gt_info(scene / "scene_gt_info.json", {im_id: one.infos for im_id, one in labels.items()})
 
 
-def targets(scene_id: int, labels: Mapping[int, Labels], least: float = 0.1) -> list[bop.Target]:
+def targets(scene_id: int, labels: Mapping[int, Labels], least: float = 0.1) -> list[bop.EvaluationTarget]:
     """What an evaluation asks for: the parts of which at least this share is visible (BOP: 0.1), by picture."""
     counts = {im_id: sum(info.visib_fract >= least for info in one.infos) for im_id, one in labels.items()}
-    return [bop.Target(scene_id, im_id, OBJECT, count) for im_id, count in counts.items() if count]
+    return [bop.EvaluationTarget(scene_id, im_id, OBJECT, count) for im_id, count in counts.items() if count]
 
 
 def _info(

@@ -4,10 +4,10 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from experiments.errors import UsageError
-from experiments.results.tolerance_curve import Level
+from experiments.results.tolerance_curve import CurvePoint
 
 
-def draw_tolerance(levels: Sequence[Level], path: Path) -> None:
+def draw_tolerance(levels: Sequence[CurvePoint], path: Path) -> None:
     """The share of parts placed over the pose error, with 95 % intervals.
 
     Raises:

@@ -5,13 +5,13 @@ from dataclasses import asdict, dataclass
 from statistics import fmean
 from typing import Any
 
-from cell.records import Count
+from cell.records import Tally
 from experiments.results.table import Interval
 from maskval import mean_interval
 
 REFERENCE = "maskval"  # what the others are held against, if it is among them
 
-Counts = Mapping[str, Sequence[Sequence[Count | None]]]  # by method: of each group of experiments; None failed
+Counts = Mapping[str, Sequence[Sequence[Tally | None]]]  # by method: of each group of experiments; None failed
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,7 +88,7 @@ def format_paired(rows: Sequence[Paired]) -> str:
     return "\n".join(lines)
 
 
-def _both(ours: Sequence[Count | None], theirs: Sequence[Count | None]) -> list[tuple[Count, Count]]:
+def _both(ours: Sequence[Tally | None], theirs: Sequence[Tally | None]) -> list[tuple[Tally, Tally]]:
     return [(a, b) for a, b in zip(ours, theirs, strict=True) if a is not None and b is not None]
 
 

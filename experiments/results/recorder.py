@@ -5,9 +5,9 @@ from typing import Any
 
 from cell.interfaces import Frame, Observation
 from cell.part import Part
-from cell.records import AttemptRecord, Count, Failed, Seen, Slot, Transition
+from cell.records import AttemptRecord, DecisionRecord, FailedFrame, Tally, TimeSlot, Transition
 from maskval import Pose, mdd, rle_counts
-from sim.networks.ground_truth import FrameTruth, TruthBooth
+from sim.networks.ground_truth import FrameTruth, LatestTruth
 
 Row = dict[str, Any]
 
@@ -24,13 +24,13 @@ class Recorder:
     Attributes:
         key: columns that name the experiment, put in front of every row.
         part: the kind of part, for its error against the truth.
-        booth: the truth about the newest frame.
+        latest_truth: the truth about the newest frame.
         tables: rows by the name of their table.
     """
 
     key: Row
     part: Part
-    booth: TruthBooth
+    latest_truth: LatestTruth
     tables: dict[str, list[Row]] = field(
         default_factory=lambda: {
             name: [] for name in ("experiments", "slots", "transitions", "frames", "estimates", "decisions", "attempts")
@@ -48,19 +48,19 @@ class Recorder:
                     target=record.target.value,
                     reason=record.reason,
                 )
-            case Seen():
+            case DecisionRecord():
                 self._add_seen(record)
-            case Failed():
+            case FailedFrame():
                 self._add_frame(record.frame, record.refining, record.observation, record.reason)
             case AttemptRecord():
                 self._add_attempt(record)
-            case Slot():
+            case TimeSlot():
                 outcome = None if record.outcome is None else record.outcome.value
                 self._add("slots", slot=record.index, start_s=record.start, end_s=record.end, outcome=outcome)
             case _:
                 raise TypeError(f"a record of unknown kind: {type(record).__name__}")
 
-    def finish(self, seed: int, estimator: str, policy: str, count: Count | None, failure: str | None) -> None:
+    def finish(self, seed: int, estimator: str, policy: str, count: Tally | None, failure: str | None) -> None:
         """Adds the experiment's own row; of an experiment without a result only the reason is kept."""
         counted = (
             {}
@@ -81,7 +81,7 @@ class Recorder:
     def _add(self, table: str, **values: Any) -> None:
         self.tables[table].append({**self.key, **values})
 
-    def _add_seen(self, seen: Seen) -> None:
+    def _add_seen(self, seen: DecisionRecord) -> None:
         observation, decision = seen.observation, seen.decision
         self._add_frame(observation.frame, observation.refining, observation, None)
         chosen = decision.detection
@@ -110,7 +110,7 @@ class Recorder:
             failure=failure,
         )
         if observation is not None:
-            truth = self.booth.of(frame)
+            truth = self.latest_truth.of(frame)
             for index in range(len(observation.detections)):
                 self._add("estimates", frame=frame.index, detection=index, **self._estimate(observation, index, truth))
 

@@ -5,7 +5,7 @@ from dataclasses import asdict, dataclass
 from statistics import fmean
 from typing import Any
 
-from cell.records import Count
+from cell.records import Tally
 from maskval import proportion_interval
 
 Interval = tuple[float, float]
@@ -58,7 +58,7 @@ class Cell:
         return asdict(self)
 
 
-def make_cell(part: str, method: str, counts: Sequence[Count | None]) -> Cell:
+def make_cell(part: str, method: str, counts: Sequence[Tally | None]) -> Cell:
     """The cell of the experiments with one object and one method; None stands for an experiment that failed."""
     done = [count for count in counts if count is not None]
     tp, fp, fn = (sum(getattr(count, name) for count in done) for name in ("tp", "fp", "fn"))

@@ -7,7 +7,7 @@ from cell.interfaces import Outcome
 
 
 @dataclass(frozen=True, slots=True)
-class Level:
+class CurvePoint:
     """All trials of one part at one error; rates in [0, 1].
 
     Attributes:
@@ -29,7 +29,7 @@ class Level:
     outcomes: dict[str, int]
 
 
-def format_levels(levels: Sequence[Level]) -> str:
+def format_curve(levels: Sequence[CurvePoint]) -> str:
     """The curve as text, one line per part and error."""
     lines = [f"{'object':10} {'MDD mm':>7} {'placed':>9} {'%':>6} {'[95 %]':>8}  what came of the others"]
     for level in levels:

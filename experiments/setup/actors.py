@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Parties:
+class Actors:
     """Who sees and who decides."""
 
     estimator: str = "noisy"

@@ -28,7 +28,7 @@ def check_estimator(name: str, recorded: Path | None) -> None:
 def choose_estimators(
     name: str, setup: EstimatorSetup, recorded: Path | None, method: str, time_limit: float
 ) -> Kind | Estimators:
-    """What `sim.runtime.episode.set_stage` takes: the name of simulated estimators, or a detector and pose networks.
+    """What `begin_episode` takes: the name of simulated estimators, or a detector and pose networks.
 
     Args:
         name: one of `KNOWN`, or `package.module:Class`.

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from pathlib import Path
 
 from cell.cycle import Cycle, CycleConfig
@@ -9,7 +10,7 @@ from cell.errors import CellError
 from cell.guards import TIME_LIMIT
 from cell.interfaces import Listener
 from cell.motion_limits import PRESETS
-from cell.records import Count
+from cell.records import Tally
 from cell.setup import EstimatorSetup
 from cell.viewpoints import REFINE_DISTANCE
 from experiments.errors import UsageError
@@ -22,13 +23,11 @@ from maskval import MaskvalError
 from sim.errors import SimError
 from sim.instance_ids import PIXEL_CENTER
 from sim.model.conditions import Conditions
-from sim.model.parts import PartModel, load_part
 from sim.networks.estimators import Kind
-from sim.networks.ground_truth import TruthBooth
+from sim.networks.ground_truth import LatestTruth
 from sim.networks.noise_model import load_noise
 from sim.networks.random_streams import Streams
-from sim.runtime.episode import Estimators, set_stage
-from sim.runtime.sim_cell import bench
+from sim.runtime.episode import Estimators, SimCell, begin_episode, build_cell
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,73 +72,80 @@ class ExperimentSpec:
 
     @property
     def cell(self) -> tuple[str, int, Conditions, bool]:
-        """What the bench depends on."""
+        """What the cell is built from."""
         return self.part, self.parts, self.conditions, self.maker_meshes
 
 
 @dataclass(frozen=True, slots=True)
-class Result:
+class ExperimentResult:
     """What came of an experiment: a count, or the reason why there is none; and the rows of its logs."""
 
     spec: ExperimentSpec
-    count: Count | None
+    count: Tally | None
     failure: str | None
     tables: dict[str, list[Row]]
 
 
-def run_experiment(spec: ExperimentSpec, tell: Callable[[object, TruthBooth], None] | None = None) -> Result:
+@lru_cache(maxsize=4)  # kept, since compiling and opening a renderer take a second
+def kept_cell(part: str, parts: int, conditions: Conditions, maker_meshes: bool, /) -> SimCell:
+    """The process's cell for experiments with the same `ExperimentSpec.cell`."""
+    return build_cell(part, parts, conditions, maker_meshes)
+
+
+def run_experiment(
+    spec: ExperimentSpec, tell: Callable[[object, LatestTruth], None] | None = None, cell: SimCell | None = None
+) -> ExperimentResult:
     """Runs it to its end. A failure of estimators, physics or a policy is a result with a reason, not an exception.
 
     Args:
         spec: the experiment.
         tell: is told every record as it is made, with the truth about the newest frame.
+        cell: what it runs in; the process's own for experiments of this kind by default.
 
     Raises:
         SimError: the cell cannot be set up, for want of OpenGL for example.
     """
-    model = load_part(spec.part)
-    booth = TruthBooth()
-    key = {"object": model.part.name, "method": spec.method, "experiment": spec.experiment}
-    recorder = Recorder(key, model.part, booth)
+    # What fails here fails for every experiment, and is no result of this one.
+    cell = cell or kept_cell(*spec.cell)
+    part, latest_truth = cell.world.part_model.part, LatestTruth()
+    key = {"object": part.name, "method": spec.method, "experiment": spec.experiment}
+    recorder = Recorder(key, part, latest_truth)
 
     def listen(record: object) -> None:
         recorder(record)
         if tell is not None:
-            tell(record, booth)
+            tell(record, latest_truth)
 
-    # What fails here fails for every experiment, and is no result of this one.
-    bench(*spec.cell)
     count, failure = None, None
     try:
-        count = make_cycle(spec, model, booth, listen).run()
+        count = make_cycle(spec, cell, latest_truth, listen).run()
     except (CellError, SimError, MaskvalError, UsageError) as error:
         failure = f"{type(error).__name__}: {error}"
     recorder.finish(spec.seed, spec.estimator, policy_name(spec.policy, spec.method), count, failure)
-    return Result(spec, count, failure, recorder.tables)
+    return ExperimentResult(spec, count, failure, recorder.tables)
 
 
 def make_cycle(
     spec: ExperimentSpec,
-    model: PartModel,
-    booth: TruthBooth,
+    cell: SimCell,
+    latest_truth: LatestTruth,
     listen: Listener,
     estimators: Kind | Estimators | None = None,
 ) -> Cycle:
     """The cell, set up and reset, with everything that one experiment needs; `estimators` replace the spec's."""
-    streams = Streams(spec.seed, spec.experiment, model.part.name)
-    method = make_method(spec.method, Context(model.part, spec.thresholds, streams, booth))
-    here = bench(*spec.cell)
-    layout, part = here.world.layout, model.part
+    model, layout = cell.world.part_model, cell.world.layout
+    part, streams = model.part, Streams(spec.seed, spec.experiment, model.part.name)
+    method = make_method(spec.method, Context(part, spec.thresholds, streams, latest_truth))
     policy = make_policy(spec.policy, method, part, layout, spec.thresholds.refine)
     if estimators is None:
         setup = EstimatorSetup(part, layout.camera, PIXEL_CENTER, spec.seed, spec.experiment)
         estimators = choose_estimators(spec.estimator, setup, spec.recorded, spec.method, spec.time_limit)
     noise = load_noise(model.noise).changed(dict(spec.noise))
-    stage = set_stage(here, streams, booth, estimators, method.uncertainty, noise=noise)
+    episode = begin_episode(cell, streams, latest_truth, estimators, method.uncertainty, noise=noise)
     return Cycle(
-        station=stage.station,
-        referee=stage.referee,
-        perception=replace(stage.perception, time_limit=spec.time_limit),
+        station=episode.station,
+        referee=episode.referee,
+        perception=replace(episode.perception, time_limit=spec.time_limit),
         policy=policy,
         layout=layout,
         config=CycleConfig(

@@ -10,8 +10,8 @@ from experiments.errors import UsageError
 from experiments.setup.plugins import chosen, make_object
 from experiments.setup.thresholds import Thresholds
 from maskval import Ensemble, InvalidEstimatesError, RandomUncertainty, UncertaintyMethod, needs_of
-from policies import Always, Threshold
-from sim.networks.ground_truth import TruthBooth
+from policies import Always, ThresholdPolicy
+from sim.networks.ground_truth import LatestTruth
 from sim.networks.oracles import OracleMask, OracleMdd
 from sim.networks.random_streams import Streams
 
@@ -24,13 +24,13 @@ class Context:
         part: the kind of part that is looked for.
         thresholds: of all methods.
         streams: the root of the experiment's random numbers.
-        booth: where the truth is; for the oracles only.
+        latest_truth: where the truth is; for the oracles only.
     """
 
     part: Part
     thresholds: Thresholds
     streams: Streams
-    booth: TruthBooth
+    latest_truth: LatestTruth
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,8 +61,8 @@ METHODS: dict[str, Callable[[Context], UncertaintyMethod]] = {
     **{name: _regardless(make) for name, make in maskval.METHODS.items()},
     "ensemble-add": _ensemble_add,
     "random": _random,
-    "oracle-mask": lambda context: OracleMask(context.booth),
-    "oracle-mdd": lambda context: OracleMdd(context.booth),
+    "oracle-mask": lambda context: OracleMask(context.latest_truth),
+    "oracle-mdd": lambda context: OracleMdd(context.latest_truth),
 }
 
 NEEDS_NO_THRESHOLD = ("none",)
@@ -101,7 +101,7 @@ def make_method(name: str, context: Context) -> Method:
         return Method(uncertainty, Always())
     thresholds = context.thresholds
     u_grasp = thresholds.of(context.part.name, name, own_threshold(uncertainty))
-    return Method(uncertainty, Threshold(u_grasp, thresholds.refine))
+    return Method(uncertainty, ThresholdPolicy(u_grasp, thresholds.refine))
 
 
 def known_method(name: str, part: Part, thresholds: Thresholds) -> Method:
@@ -110,7 +110,7 @@ def known_method(name: str, part: Part, thresholds: Thresholds) -> Method:
     Raises:
         UsageError: see `make_method`.
     """
-    return make_method(name, Context(part, thresholds, Streams(0, 0, part.name), TruthBooth()))
+    return make_method(name, Context(part, thresholds, Streams(0, 0, part.name), LatestTruth()))
 
 
 def own_threshold(uncertainty: UncertaintyMethod) -> float | None:

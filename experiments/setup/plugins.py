@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from types import ModuleType
 from typing import Any, TypeVar
 
-from cell.guards import TIME_LIMIT, ask, told
+from cell.guards import TIME_LIMIT, describe_error, guarded_call
 from experiments.errors import UsageError
 
 T = TypeVar("T")
@@ -71,7 +71,7 @@ def make_object(
         UsageError: the factory raises or takes too long, or members are missing.
     """
     given = ", ".join(type(argument).__name__ for argument in arguments)
-    made = ask(
+    made = guarded_call(
         lambda: factory(*arguments),
         time_limit,
         lambda what: UsageError(f"{reference}: called with ({given}), it {what}"),
@@ -99,8 +99,8 @@ def _import(name: str, reference: str) -> ModuleType:
     except ModuleNotFoundError as error:
         if error.name is not None and f"{name}.".startswith(f"{error.name}."):
             raise UsageError(f"{reference}: no module {error.name}, neither installed nor in {here}") from error
-        raise UsageError(f"{reference}: importing {name} raised {told(error)}") from error
+        raise UsageError(f"{reference}: importing {name} raised {describe_error(error)}") from error
     except SyntaxError as error:  # names its place itself
         raise UsageError(f"{reference}: importing {name} raised SyntaxError: {error}") from error
     except (Exception, SystemExit) as error:
-        raise UsageError(f"{reference}: importing {name} raised {told(error)}") from error
+        raise UsageError(f"{reference}: importing {name} raised {describe_error(error)}") from error

@@ -6,7 +6,7 @@ from cell.part import Part
 from cell.setup import PolicySetup
 from experiments.setup.methods import Method
 from experiments.setup.plugins import chosen, make_object
-from policies import POLICIES, Threshold
+from policies import POLICIES, ThresholdPolicy
 
 
 def policy_name(name: str | None, method: str) -> str:
@@ -30,7 +30,7 @@ def make_policy(name: str | None, method: Method, part: Part, layout: Layout, re
     if name is None:
         return method.policy
     own = method.policy
-    u_grasp, u_refine = (own.u_grasp, own.u_refine) if isinstance(own, Threshold) else (0.0, refine)
+    u_grasp, u_refine = (own.u_grasp, own.u_refine) if isinstance(own, ThresholdPolicy) else (0.0, refine)
     factory = chosen("--policy", name, POLICIES)
     policy: Policy = make_object(name, factory, ("decide",), PolicySetup(part, layout, u_grasp, u_refine))
     return policy

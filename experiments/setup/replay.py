@@ -18,7 +18,7 @@ LOGS = ("frames.parquet", "estimates.parquet")
 MASKS, POSES = "masks.json", ("poses.csv", "poses_2.csv")  # of one network, or of two
 _ELSEWHERE = 0.001  # m: the robot comes back to a view within micrometres; another view is centimetres away
 
-Row = TypeVar("Row", bop.Detection, bop.Result)
+Row = TypeVar("Row", bop.DetectionResult, bop.PoseResult)
 Entry = tuple[Detection, tuple[Pose, ...]]
 
 

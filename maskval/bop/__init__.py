@@ -5,15 +5,15 @@ Paths are of the layout that BOP calls its format: `models/obj_000001.ply`, `mod
 """
 
 from maskval.bop.dataset import Dataset, DetectedMasks, ImageObject, MaskSource, Scene, SceneMasks
-from maskval.bop.detections import Detection, read_detections, write_detections
+from maskval.bop.detections import DetectionResult, read_detections, write_detections
 from maskval.bop.images import mask_path, read_depth, read_mask, write_depth, write_mask
 from maskval.bop.models import ModelInfo, read_model, read_models_info, write_model, write_models_info
-from maskval.bop.results import Result, read_results, write_results
+from maskval.bop.results import PoseResult, read_results, write_results
 from maskval.bop.scenes import (
+    EvaluationTarget,
     GroundTruth,
     GroundTruthInfo,
     ImageCamera,
-    Target,
     read_scene_camera,
     read_scene_gt,
     read_scene_gt_info,
@@ -28,7 +28,8 @@ from maskval.bop.submission import JudgedPose, evaluate_poses, judge_results
 __all__ = [
     "Dataset",
     "DetectedMasks",
-    "Detection",
+    "DetectionResult",
+    "EvaluationTarget",
     "GroundTruth",
     "GroundTruthInfo",
     "ImageCamera",
@@ -36,10 +37,9 @@ __all__ = [
     "JudgedPose",
     "MaskSource",
     "ModelInfo",
-    "Result",
+    "PoseResult",
     "Scene",
     "SceneMasks",
-    "Target",
     "evaluate_poses",
     "judge_results",
     "mask_path",

@@ -9,7 +9,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from maskval.bop.detections import Detection
+from maskval.bop.detections import DetectionResult
 from maskval.bop.images import mask_path, read_mask
 from maskval.bop.models import ModelInfo, read_model, read_models_info
 from maskval.bop.scenes import (
@@ -161,8 +161,8 @@ class DetectedMasks:
         detections: What it found.
     """
 
-    def __init__(self, detections: Iterable[Detection]) -> None:
-        self._found: dict[ImageObject, list[Detection]] = defaultdict(list)
+    def __init__(self, detections: Iterable[DetectionResult]) -> None:
+        self._found: dict[ImageObject, list[DetectionResult]] = defaultdict(list)
         self._sizes: dict[int, tuple[int, int]] = {}
         for detection in detections:
             self._found[ImageObject(detection.scene_id, detection.im_id, detection.obj_id)].append(detection)

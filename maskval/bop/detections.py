@@ -13,7 +13,7 @@ from maskval.masks import mask_from_rle, rle_counts
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Detection:
+class DetectionResult:
     """An instance that a detector found; its mask is unpacked when it is asked for.
 
     Args:
@@ -42,7 +42,7 @@ class Detection:
         return mask_from_rle(self.rle, self.height, self.width)
 
 
-def read_detections(path: Path) -> list[Detection]:
+def read_detections(path: Path) -> list[DetectionResult]:
     """The detections of a results file, their run lengths plain or compressed.
 
     Args:
@@ -54,7 +54,7 @@ def read_detections(path: Path) -> list[Detection]:
     return [_detection(entry) for entry in read_json(path).elements()]
 
 
-def write_detections(path: Path, detections: Iterable[Detection]) -> None:
+def write_detections(path: Path, detections: Iterable[DetectionResult]) -> None:
     """Writes detections as bop_toolkit reads them; each box is that of its mask.
 
     Args:
@@ -78,7 +78,7 @@ def write_detections(path: Path, detections: Iterable[Detection]) -> None:
     )
 
 
-def _detection(entry: Entry) -> Detection:
+def _detection(entry: Entry) -> DetectionResult:
     segmentation = entry["segmentation"]
     size = [element.integer() for element in segmentation["size"].elements()]
     counts = segmentation["counts"]
@@ -93,12 +93,12 @@ def _detection(entry: Entry) -> Detection:
         raise InvalidFileError(f"{counts.place}: {error}") from error
     ids = [entry[name].integer() for name in ("scene_id", "image_id", "category_id")]
     time_s = entry["time"].number() if "time" in entry else -1.0
-    return Detection(ids[0], ids[1], ids[2], entry["score"].number(), rle, size[0], size[1], time_s)
+    return DetectionResult(ids[0], ids[1], ids[2], entry["score"].number(), rle, size[0], size[1], time_s)
 
 
-def detection_of_mask(scene_id: int, im_id: int, obj_id: int, score: float, mask: NDArray[np.bool_]) -> Detection:
+def detection_of_mask(scene_id: int, im_id: int, obj_id: int, score: float, mask: NDArray[np.bool_]) -> DetectionResult:
     """The detection of a mask, (H, W)."""
-    return Detection(scene_id, im_id, obj_id, score, tuple(rle_counts(mask)), mask.shape[0], mask.shape[1])
+    return DetectionResult(scene_id, im_id, obj_id, score, tuple(rle_counts(mask)), mask.shape[0], mask.shape[1])
 
 
 def _box(mask: NDArray[np.bool_]) -> list[int]:

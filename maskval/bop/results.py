@@ -18,7 +18,7 @@ UNKNOWN_TIME = -1.0
 
 
 @dataclass(frozen=True, slots=True)
-class Result:
+class PoseResult:
     """A pose estimate.
 
     Args:
@@ -38,7 +38,7 @@ class Result:
     time_s: float = UNKNOWN_TIME
 
 
-def read_results(path: Path) -> list[Result]:
+def read_results(path: Path) -> list[PoseResult]:
     """The estimates of a results file, translations turned from millimetres to metres.
 
     Args:
@@ -64,11 +64,11 @@ def read_results(path: Path) -> list[Result]:
             _numbers(fields[k], count, places[k], FIELDS[k]) for k, count in ((3, 1), (4, 9), (5, 3), (6, 1))
         )
         X_CO = pose_of(rotation, translation_mm, places[4])
-        results.append(Result(ids[0], ids[1], ids[2], float(score), X_CO, float(time_s)))
+        results.append(PoseResult(ids[0], ids[1], ids[2], float(score), X_CO, float(time_s)))
     return results
 
 
-def write_results(path: Path, results: Iterable[Result]) -> None:
+def write_results(path: Path, results: Iterable[PoseResult]) -> None:
     """Writes estimates as bop_toolkit reads them, translations in millimetres.
 
     Args:

@@ -70,7 +70,7 @@ class GroundTruthInfo:
 
 
 @dataclass(frozen=True, slots=True)
-class Target:
+class EvaluationTarget:
     """What an evaluation asks for: so many instances of an object in an image."""
 
     scene_id: int
@@ -108,10 +108,10 @@ def read_scene_gt_info(path: Path) -> dict[int, list[GroundTruthInfo]]:
     return _lists(path, info)
 
 
-def read_targets(path: Path) -> list[Target]:
+def read_targets(path: Path) -> list[EvaluationTarget]:
     """The targets of a `test_targets_bop19.json`."""
     names = ("scene_id", "im_id", "obj_id", "inst_count")
-    return [Target(*(entry[name].integer() for name in names)) for entry in read_json(path).elements()]
+    return [EvaluationTarget(*(entry[name].integer() for name in names)) for entry in read_json(path).elements()]
 
 
 def write_scene_camera(path: Path, cameras: Mapping[int, ImageCamera]) -> None:
@@ -151,7 +151,7 @@ def write_scene_gt_info(path: Path, images: Mapping[int, Iterable[GroundTruthInf
     write_entries(path, {str(im_id): [fields(info) for info in infos] for im_id, infos in images.items()})
 
 
-def write_targets(path: Path, targets: Sequence[Target]) -> None:
+def write_targets(path: Path, targets: Sequence[EvaluationTarget]) -> None:
     """Writes a `test_targets_bop19.json`."""
     write_entries(
         path,

@@ -9,7 +9,7 @@ import numpy as np
 
 from maskval.association import Rule
 from maskval.bop.dataset import Dataset, ImageObject, MaskSource
-from maskval.bop.results import Result
+from maskval.bop.results import PoseResult
 from maskval.errors import InvalidFileError, MaskvalError
 from maskval.evaluation.matching import Evaluation, ImageErrors, match_images
 from maskval.geometry import Pose
@@ -32,7 +32,7 @@ class JudgedPose:
         u: Uncertainty, in [0, 1]; low is good.
     """
 
-    result: Result
+    result: PoseResult
     mask: int
     c: float
     v: float
@@ -41,7 +41,7 @@ class JudgedPose:
 
 def judge_results(
     dataset: Dataset,
-    results: Sequence[Result],
+    results: Sequence[PoseResult],
     source: MaskSource,
     *,
     association: Literal["known"] | Rule = "greedy",
@@ -139,7 +139,7 @@ class _PoseErrors:
         self._models = dataset.models() if error == "mssd" else {}
         self._symmetries: dict[int, tuple[Pose, ...]] = {}
 
-    def between(self, result: Result, obj_id: int, X_CO_true: Pose) -> float:
+    def between(self, result: PoseResult, obj_id: int, X_CO_true: Pose) -> float:
         """The error of a pose against a part, metres; infinite against a part of another kind."""
         if result.obj_id != obj_id:
             return np.inf

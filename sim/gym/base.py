@@ -13,12 +13,11 @@ from sim.errors import EnvOptionError
 from sim.gym.observation import AllMethods, DetectionEncoder, Encoded
 from sim.gym.options import EnvOptions
 from sim.model.parts import load_part
-from sim.model.renderer import Camera
-from sim.networks.ground_truth import TruthBooth
+from sim.model.renderer import Renderer
+from sim.networks.ground_truth import LatestTruth
 from sim.networks.noise_model import PartNoise, load_noise
 from sim.networks.random_streams import Streams
-from sim.runtime.episode import Stage, set_stage
-from sim.runtime.sim_cell import Bench, build_bench
+from sim.runtime.episode import Episode, SimCell, begin_episode, build_cell
 from sim.runtime.viewer import Window, has_display
 
 Action = TypeVar("Action")
@@ -52,25 +51,25 @@ class CellEnv(gymnasium.Env[Encoded, Action], Generic[Action]):
         self._encoder = DetectionEncoder(self.options, Layout().camera)
         self._seed: int | None = None
         self._experiment = 0
-        self._bench: Bench | None = None
-        self._overview: Camera | None = None
+        self._cell: SimCell | None = None
+        self._overview: Renderer | None = None
         self._window: Window | None = None
-        self._booth = TruthBooth()
+        self._latest_truth = LatestTruth()
         self._methods: dict[str, UncertaintyMethod] = {}  # of the episode
 
-    def _set_stage(self, seed: int | None, options: dict[str, Any] | None) -> Stage:
+    def _begin_episode(self, seed: int | None, options: dict[str, Any] | None) -> Episode:
         """Seeds the episode and begins it."""
         noise = self._choose_experiment(seed, options or {})
-        here = self._built()
+        cell = self._built()
         chosen = self.options
-        streams = Streams(self._seed or 0, self._experiment, here.world.part_model.part.name)
+        streams = Streams(self._seed or 0, self._experiment, cell.world.part_model.part.name)
         self._methods = methods = chosen.make_methods()
         method = AllMethods(methods) if len(methods) > 1 else next(iter(methods.values()))
-        stage = set_stage(here, streams, self._booth, chosen.estimator, method, noise=noise)
-        detector = stage.perception.detector
+        episode = begin_episode(cell, streams, self._latest_truth, chosen.estimator, method, noise=noise)
+        detector = episode.perception.detector
         if chosen.camera_images:
             detector = WithImages(detector, chosen.camera_images)
-        return replace(stage, perception=replace(stage.perception, detector=detector, time_limit=TIME_LIMIT))
+        return replace(episode, perception=replace(episode.perception, detector=detector, time_limit=TIME_LIMIT))
 
     def _choose_experiment(self, seed: int | None, options: dict[str, Any]) -> PartNoise:
         """Chooses it; returns the episode's error model."""
@@ -87,14 +86,14 @@ class CellEnv(gymnasium.Env[Encoded, Action], Generic[Action]):
         self._experiment = options.get("experiment", self._experiment + 1)
         return noise
 
-    def _built(self) -> Bench:
-        if self._bench is None:
+    def _built(self) -> SimCell:
+        if self._cell is None:
             chosen = self.options
-            self._bench = build_bench(chosen.part, chosen.n_parts, chosen.conditions, False)
+            self._cell = build_cell(chosen.part, chosen.n_parts, chosen.conditions, False)
             if self.render_mode == "human":
-                self._window = Window(self._bench.world)
-                self._bench.world.on_step = self._window.show
-        return self._bench
+                self._window = Window(self._cell.world)
+                self._cell.world.on_step = self._window.show
+        return self._cell
 
     def render(self) -> Any:
         """The cell from beside it, (H, W, 3) uint8, for "rgb_array"; None otherwise.
@@ -102,22 +101,22 @@ class CellEnv(gymnasium.Env[Encoded, Action], Generic[Action]):
         Raises:
             gymnasium.error.ResetNeeded: there is no world before the first reset.
         """
-        if self._bench is None:
+        if self._cell is None:
             raise gymnasium.error.ResetNeeded("there is nothing to render before the first reset")
-        world = self._bench.world
+        world = self._cell.world
         if self.render_mode != "rgb_array":
             return None
         if self._overview is None:
-            self._overview = Camera(world.model, *self._render_size)
+            self._overview = Renderer(world.mj_model, *self._render_size)
             self._overview.rgb(world.data, "overview")  # the first frame's shadows may differ by a grey level
         return self._overview.rgb(world.data, "overview")
 
     def close(self) -> None:
         """Gives window and OpenGL contexts back; a reset builds them anew."""
-        for held in (self._window, self._overview, self._bench.camera if self._bench else None):
+        for held in (self._window, self._overview, self._cell.renderer if self._cell else None):
             if held is not None:
                 held.close()
-        self._bench = self._overview = self._window = None
+        self._cell = self._overview = self._window = None
 
     def _truth(self, observation: Observation | None = None) -> Info:
         """Where the parts are, and which of them the newest picture's detections show with which error."""
@@ -126,7 +125,7 @@ class CellEnv(gymnasium.Env[Encoded, Action], Generic[Action]):
         told: Info = {"X_BO": np.array([(X_BW @ world.X_WO(part)).matrix for part in range(world.parts)])}
         if observation is None:
             return told
-        truth, vertices = self._booth.of(observation.frame), world.part_model.part.mesh.vertices
+        truth, vertices = self._latest_truth.of(observation.frame), world.part_model.part.mesh.vertices
         parts = [truth.part_of(detection) for detection in observation.detections]
         errors = [
             None if part is None else mdd(X_CO_est, truth.X_CO_true[part], vertices)

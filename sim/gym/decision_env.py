@@ -12,7 +12,7 @@ from cell.cycle import Cycle, CycleConfig, Deciding
 from cell.interfaces import Action, Decision, Observation
 from cell.motion_limits import PRESETS
 from cell.perception import Perception
-from cell.records import AttemptRecord, Count, Slot
+from cell.records import AttemptRecord, Tally, TimeSlot
 from sim.errors import DivergenceError
 from sim.gym.base import CellEnv, Info, Step, event
 from sim.gym.observation import Encoded, box
@@ -40,10 +40,10 @@ class GraspCellEnv(CellEnv[np.int64]):
                 "refining": spaces.MultiBinary(1),
             }
         )
-        self._decisions: Deciding[Count] | None = None
+        self._decisions: Deciding[Tally] | None = None
         self._perception: Perception | None = None
         self._seen: Observation | None = None
-        self._records: list[AttemptRecord | Slot] = []
+        self._records: list[AttemptRecord | TimeSlot] = []
         self._slots_over = 0
         self._time = 0.0
 
@@ -57,12 +57,12 @@ class GraspCellEnv(CellEnv[np.int64]):
         Raises:
             SimError: the cell cannot be set up, for want of OpenGL for example.
         """
-        stage = self._set_stage(seed, options)
-        self._perception, self._records, self._slots_over = stage.perception, [], 0
+        episode = self._begin_episode(seed, options)
+        self._perception, self._records, self._slots_over = episode.perception, [], 0
         cycle = Cycle(
-            station=stage.station,
-            referee=stage.referee,
-            perception=stage.perception,
+            station=episode.station,
+            referee=episode.referee,
+            perception=episode.perception,
             layout=self._built().world.layout,
             config=CycleConfig(
                 parts=self.options.n_parts, slot_time=self.options.slot_time, speed=PRESETS[self.options.speed]
@@ -97,7 +97,7 @@ class GraspCellEnv(CellEnv[np.int64]):
             self._seen, outcome = None, {"failure": str(failure)}
         self._time = self._built().world.time
         events = [event(record.outcome, _slot(record), record.end) for record in self._records if _is_told(record)]
-        ends = [record.outcome for record in self._records if isinstance(record, Slot)]
+        ends = [record.outcome for record in self._records if isinstance(record, TimeSlot)]
         reward = self.options.rewards.of(ends, self._time - before) + (0.0 if valid else self.options.rewards.invalid)
         info = self._info(events) | {"invalid_action": not valid} | outcome
         return self._encoded(), reward, "count" in outcome, "failure" in outcome, info
@@ -119,9 +119,9 @@ class GraspCellEnv(CellEnv[np.int64]):
         return Decision((Action.REFINE, Action.GRASP)[kind], detection)
 
     def _listen(self, record: object) -> None:
-        if isinstance(record, AttemptRecord | Slot):
+        if isinstance(record, AttemptRecord | TimeSlot):
             self._records.append(record)
-            self._slots_over += isinstance(record, Slot)
+            self._slots_over += isinstance(record, TimeSlot)
 
     def _encoded(self) -> Encoded:
         found, left = self._encoder.empty(), 0.0
@@ -146,12 +146,12 @@ class GraspCellEnv(CellEnv[np.int64]):
         return info
 
 
-def _is_told(record: AttemptRecord | Slot) -> bool:
+def _is_told(record: AttemptRecord | TimeSlot) -> bool:
     """Whether a record is an event of its own: an attempt that ends a slot is told by the slot."""
-    if isinstance(record, Slot):
+    if isinstance(record, TimeSlot):
         return True
     return not (record.outcome.is_true_positive or record.outcome.is_false_positive)
 
 
-def _slot(record: AttemptRecord | Slot) -> int:
-    return record.index if isinstance(record, Slot) else record.slot
+def _slot(record: AttemptRecord | TimeSlot) -> int:
+    return record.index if isinstance(record, TimeSlot) else record.slot

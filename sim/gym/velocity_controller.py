@@ -1,4 +1,4 @@
-"""The tool in a learner's hand: velocities become joint motions, and the jaws tell when an attempt is over."""
+"""From tool velocities to joint motions, step by step; the jaws tell when an attempt is over."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +20,7 @@ PRESSING = 0.001  # m by which the jaws are sent further together than they are 
 VERDICT_TIME = 0.5  # s after letting go, when a part has come to rest
 
 
-class Hand:
+class VelocityController:
     """Moves a station's tool at wanted velocities, step by step."""
 
     def __init__(self, station: Station, layout: Layout) -> None:

@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 
 from maskval import Camera, Mesh, Pose
 from sim.images.textures import Picture
-from sim.instance_ids import NOTHING
+from sim.instance_ids import NO_INSTANCE
 from sim.model import renderer as rendering
 
-# Odd, so that the middle of every pixel is the middle of a sample: RGB averages all of them, depth and part numbers
+# Odd, so that the middle of every pixel is the middle of a sample: RGB averages all of them, depth and instance ids
 # take the middle one.
 SAMPLES = 3
 _NEAR, _FAR = 0.01, 20.0  # m
@@ -40,8 +40,8 @@ class Surface:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class DressedBody:
-    """Something to be seen: its shape, X_CO, number (the part's, or `NOTHING`) and surface."""
+class SurfacedBody:
+    """Something to be seen: its shape, X_CO, number (the part's, or `NO_INSTANCE`) and surface."""
 
     mesh: Mesh
     X_CO: Pose
@@ -89,17 +89,17 @@ class Photograph:
         rgb: (H, W, 3) in [0, 255], the mean over each pixel; black where nothing is.
         coverage: share of each pixel that shows something, (H, W) in [0, 1].
         depth: z-depth at the middle of each pixel, (H, W) m; 0 where nothing is.
-        part_numbers: the part there, (H, W); `NOTHING` where there is none.
+        instance_ids: the part there, (H, W); `NO_INSTANCE` where there is none.
     """
 
     rgb: NDArray[np.float32]
     coverage: NDArray[np.float32]
     depth: NDArray[np.float32]
-    part_numbers: NDArray[np.int8]
+    instance_ids: NDArray[np.int8]
 
 
 def photograph(
-    bodies: Sequence[DressedBody], walls: Sequence[Wall], lights: Sequence[Light], ambient: float, camera: Camera
+    bodies: Sequence[SurfacedBody], walls: Sequence[Wall], lights: Sequence[Light], ambient: float, camera: Camera
 ) -> Photograph:
     """A picture of bodies and walls under these lights.
 
@@ -117,16 +117,16 @@ def photograph(
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     middle = slice(SAMPLES // 2, None, SAMPLES)
-    with closing(rendering.Camera(model, SAMPLES * camera.height, SAMPLES * camera.width)) as renderer:
+    with closing(rendering.Renderer(model, SAMPLES * camera.height, SAMPLES * camera.width)) as renderer:
         depth = renderer.depth(data, "camera")
-        numbers = renderer.part_numbers(data, "camera")[middle, middle]
+        numbers = renderer.instance_ids(data, "camera")[middle, middle]
         rgb = renderer.rgb(data, "camera")
     rgb[depth == 0.0] = 0
     return Photograph(
         rgb=_mean(rgb, camera),
         coverage=_mean(depth > 0.0, camera),
         depth=depth[middle, middle].copy(),
-        part_numbers=numbers.copy(),
+        instance_ids=numbers.copy(),
     )
 
 
@@ -137,10 +137,10 @@ def _mean(samples: NDArray[Any], camera: Camera) -> NDArray[np.float32]:
 
 
 def _build(
-    bodies: Sequence[DressedBody], walls: Sequence[Wall], lights: Sequence[Light], ambient: float, camera: Camera
+    bodies: Sequence[SurfacedBody], walls: Sequence[Wall], lights: Sequence[Light], ambient: float, camera: Camera
 ) -> mujoco.MjModel:
     spec = mujoco.MjSpec()
-    spec.visual.quality.offsamples = 0  # without multisampling depths and part numbers are exact
+    spec.visual.quality.offsamples = 0  # without multisampling depths and instance ids are exact
     spec.visual.quality.shadowsize = _SHADOW_SIZE
     getattr(spec.visual, "global").offwidth = SAMPLES * camera.width
     getattr(spec.visual, "global").offheight = SAMPLES * camera.height
@@ -158,7 +158,7 @@ def _build(
         shape = spec.add_mesh(name=shape_of[key], inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL)
         shape.uservert, shape.userface = mesh.vertices.ravel(), mesh.faces.ravel()
     for index, body in enumerate(bodies):
-        name = f"part_{body.number}" if body.number != NOTHING else f"clutter_{index}"
+        name = f"part_{body.number}" if body.number != NO_INSTANCE else f"clutter_{index}"
         _add_material(spec, name, body.surface, mujoco.mjtTexture.mjTEXTURE_CUBE)
         spec.worldbody.add_geom(
             name=name,

@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 from maskval import Camera, Pose
 from sim.images.heap import Heap, drop
 from sim.images.photo_renderer import Photograph, photograph
-from sim.images.randomization import Dresser, lamps, room
+from sim.images.randomization import SurfaceSampler, lamps, room
 from sim.images.test_images import ImageTruth, Recipe, image_truth, scatter
 from sim.images.textures import Picture, background
-from sim.instance_ids import NOTHING
+from sim.instance_ids import NO_INSTANCE
 from sim.model.parts import PartModel
 from sim.networks.random_streams import Streams
 
@@ -62,13 +62,13 @@ def heap_picture(model: PartModel, camera: Camera, streams: Streams, textured: f
     heap = drop(model, parts, clutter, rng.uniform(*_HEAP_RADIUS), rng)
     half_size = rng.uniform(*_ROOM_HALF_SIZE, size=2)
     X_CW = _viewpoint(model, heap, camera, half_size, rng)
-    dresser = Dresser(model, textured, rng)
+    sampler = SurfaceSampler(model, textured, rng)
     bodies = (
         *((model.part.mesh, X_CW @ X, part) for part, X in enumerate(heap.X_WO)),
-        *((mesh, X_CW @ X, NOTHING) for mesh, X in heap.clutter),
+        *((mesh, X_CW @ X, NO_INSTANCE) for mesh, X in heap.clutter),
     )
-    photo = photograph(dresser.dress(bodies), room(X_CW, half_size, rng), *lamps(X_CW, rng), camera)
-    truth = image_truth(photo.part_numbers, bodies, camera)
+    photo = photograph(sampler.with_surfaces(bodies), room(X_CW, half_size, rng), *lamps(X_CW, rng), camera)
+    truth = image_truth(photo.instance_ids, bodies, camera)
     return LabelledPicture(expose(photo.rgb, rng), photo.depth, truth, X_CW)
 
 
@@ -86,10 +86,10 @@ def pasted_picture(model: PartModel, camera: Camera, streams: Streams, textured:
     """
     rng = streams.generator(0, "pasted picture")
     bodies = scatter(model.part.mesh, camera, Recipe(), streams)
-    dressed = Dresser(model, textured, rng).dress(bodies)
+    dressed = SurfaceSampler(model, textured, rng).with_surfaces(bodies)
     photo = photograph(dressed, [], *lamps(_TOWARDS_CAMERA, rng), camera)
     pasted = paste(photo, background(camera.height, camera.width, rng), rng.uniform(0.2, 0.8))
-    truth = image_truth(photo.part_numbers, bodies, camera)
+    truth = image_truth(photo.instance_ids, bodies, camera)
     return LabelledPicture(expose(pasted, rng), photo.depth, truth, None)
 
 

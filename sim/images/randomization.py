@@ -7,10 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from maskval import Pose
-from sim.images.photo_renderer import DressedBody, Light, Surface, Wall
+from sim.images.photo_renderer import Light, Surface, SurfacedBody, Wall
 from sim.images.test_images import Body
 from sim.images.textures import random_color, texture
-from sim.instance_ids import NOTHING
+from sim.instance_ids import NO_INSTANCE
 from sim.model.parts import PartModel
 
 _BODY_TEXELS, _WALL_TEXELS = 64, 256
@@ -24,7 +24,7 @@ _LAMP_DISTANCE = (0.8, 2.0)  # m, of a spot
 Array = NDArray[np.float64]
 
 
-class Dresser:
+class SurfaceSampler:
     """Gives bodies their surfaces, in the order in which it is asked.
 
     Args:
@@ -36,9 +36,9 @@ class Dresser:
     def __init__(self, model: PartModel, textured: float, rng: np.random.Generator) -> None:
         self._model, self._textured, self._rng = model, textured, rng
 
-    def dress(self, bodies: Sequence[Body]) -> list[DressedBody]:
+    def with_surfaces(self, bodies: Sequence[Body]) -> list[SurfacedBody]:
         """Bodies with surfaces: `part`'s for parts, `other`'s for clutter."""
-        return [DressedBody(*body, self.other() if body[2] == NOTHING else self.part()) for body in bodies]
+        return [SurfacedBody(*body, self.other() if body[2] == NO_INSTANCE else self.part()) for body in bodies]
 
     def part(self) -> Surface:
         """The surface of a part: its own colour and gloss, a little varied, or a random texture."""

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from cell.interfaces import Detection
 from maskval import Camera, Mesh, Pose
 from sim.images.test_images import ImageTruth
-from sim.instance_ids import NOTHING
+from sim.instance_ids import NO_INSTANCE
 from sim.networks.mask_noise import FALSE_ALARM_COUNT, MaskLatents, false_alarm, noisy_detection
 from sim.networks.noise_model import MaskNoise, PartNoise, PoseNoise
 from sim.networks.pose_noise import PoseLatents, noisy_pose, pose_of_nothing
@@ -26,7 +26,7 @@ class ImageEstimates:
 
     Attributes:
         detections: what the detector found.
-        parts: the part that each of them shows, or `NOTHING`.
+        parts: the part that each of them shows, or `NO_INSTANCE`.
         poses: poses[e][i] is X_CO_est of detection i by network e.
     """
 
@@ -88,7 +88,7 @@ def draw_latents(truth: ImageTruth, streams: Streams) -> ImageLatents:
 def detect(truth: ImageTruth, latents: ImageLatents, noise: MaskNoise) -> tuple[Detection, ...]:
     """What the detector finds in an image."""
     found = [_detect(truth, part, one, noise) for part, one in enumerate(latents.mask)]
-    found.append(false_alarm(truth.part_numbers.shape, latents.false_alarm, noise))
+    found.append(false_alarm(truth.instance_ids.shape, latents.false_alarm, noise))
     return tuple(detection for detection in found if detection is not None)
 
 
@@ -108,7 +108,7 @@ def estimate(
         truth: The image.
         latents: Its random numbers.
         masks: Of the detections that show no part, by index.
-        parts: The part that each detection shows, or `NOTHING`.
+        parts: The part that each detection shows, or `NO_INSTANCE`.
         mesh: The part.
         camera: Intrinsics and image size.
         noise: The parameters.
@@ -117,7 +117,7 @@ def estimate(
 
     def pose(network: int, index: int) -> Pose:
         part = parts[index]
-        if part == NOTHING:
+        if part == NO_INSTANCE:
             return pose_of_nothing(masks[index], camera, mesh, latents.nothing[network])
         X_CO, visibility = truth.X_CO_true[part], float(truth.visibility[part])
         return noisy_pose(X_CO, center_O, visibility, latents.pose[part], noise, network=network)
@@ -127,5 +127,5 @@ def estimate(
 
 def _detect(truth: ImageTruth, part: int, latents: MaskLatents, noise: MaskNoise) -> Detection | None:
     visible = truth.mask(part)
-    neighbors = (truth.part_numbers != NOTHING) & ~visible
+    neighbors = (truth.instance_ids != NO_INSTANCE) & ~visible
     return noisy_detection(visible, neighbors, float(truth.visibility[part]), latents, noise)

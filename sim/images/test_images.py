@@ -15,7 +15,7 @@ import trimesh
 from numpy.typing import NDArray
 
 from maskval import Camera, Mesh, Pose, depth_crop, silhouette
-from sim.instance_ids import NOTHING, PIXEL_CENTER, shown_part
+from sim.instance_ids import NO_INSTANCE, PIXEL_CENTER, shown_part
 from sim.networks.random_streams import Streams
 
 Array = NDArray[np.float64]
@@ -42,31 +42,31 @@ class ImageTruth:
     """The truth about one image of P parts.
 
     Attributes:
-        part_numbers: (H, W) int8, the part that each pixel shows, `NOTHING` where it shows none.
+        instance_ids: (H, W) int8, the part that each pixel shows, `NO_INSTANCE` where it shows none.
         bodies: parts and clutter, as `draw_nearest` takes them.
         X_CO_true: true pose of every part.
         visibility: visible share of every part's whole silhouette: occlusion and the image's border, (P,) in [0, 1].
         in_view: share of it inside the image, whoever hides it, (P,) in [0, 1].
     """
 
-    part_numbers: NDArray[np.int8]
+    instance_ids: NDArray[np.int8]
     bodies: tuple[Body, ...]
     X_CO_true: tuple[Pose, ...]
     visibility: Array
     in_view: Array
 
     def __post_init__(self) -> None:
-        for array in (self.part_numbers, self.visibility, self.in_view):
+        for array in (self.instance_ids, self.visibility, self.in_view):
             array.setflags(write=False)
 
     def mask(self, part: int) -> NDArray[np.bool_]:
         """The pixels that show the part, (H, W)."""
-        shown: NDArray[np.bool_] = self.part_numbers == part
+        shown: NDArray[np.bool_] = self.instance_ids == part
         return shown
 
     def shown_by(self, mask: NDArray[np.bool_]) -> int:
-        """The part that most of a mask's pixels show, or `NOTHING`."""
-        return shown_part(self.part_numbers, mask)
+        """The part that most of a mask's pixels show, or `NO_INSTANCE`."""
+        return shown_part(self.instance_ids, mask)
 
 
 def make_image(mesh: Mesh, camera: Camera, recipe: Recipe, streams: Streams) -> ImageTruth:
@@ -92,23 +92,23 @@ def scatter(mesh: Mesh, camera: Camera, recipe: Recipe, streams: Streams) -> tup
     others = [clutter_shapes()[i] for i in rng.integers(len(clutter_shapes()), size=clutter)]
     return (
         *((mesh, X_CO, part) for part, X_CO in enumerate(poses)),
-        *((other, _anywhere(other, camera, recipe, rng), NOTHING) for other in others),
+        *((other, _anywhere(other, camera, recipe, rng), NO_INSTANCE) for other in others),
     )
 
 
-def image_truth(part_numbers: NDArray[np.int8], bodies: tuple[Body, ...], camera: Camera) -> ImageTruth:
+def image_truth(instance_ids: NDArray[np.int8], bodies: tuple[Body, ...], camera: Camera) -> ImageTruth:
     """The truth about an image of these bodies.
 
     Args:
-        part_numbers: (H, W), the part that each pixel shows, `NOTHING` where it shows none.
+        instance_ids: (H, W), the part that each pixel shows, `NO_INSTANCE` where it shows none.
         bodies: The parts in the order of their numbers, and clutter.
         camera: Intrinsics and image size.
     """
-    parts = [(mesh, X_CO) for mesh, X_CO, number in bodies if number != NOTHING]
+    parts = [(mesh, X_CO) for mesh, X_CO, number in bodies if number != NO_INSTANCE]
     whole = [silhouette(mesh, X_CO, camera, pixel_center=PIXEL_CENTER) for mesh, X_CO in parts]
-    seen_px = np.bincount(part_numbers.ravel() + 1, minlength=len(parts) + 1)[1:]
+    seen_px = np.bincount(instance_ids.ravel() + 1, minlength=len(parts) + 1)[1:]
     return ImageTruth(
-        part_numbers=part_numbers,
+        instance_ids=instance_ids,
         bodies=bodies,
         X_CO_true=tuple(X_CO for _, X_CO in parts),
         visibility=np.minimum(1.0, seen_px / np.maximum(1, [one.area_px for one in whole])),
@@ -117,14 +117,14 @@ def image_truth(part_numbers: NDArray[np.int8], bodies: tuple[Body, ...], camera
 
 
 def draw_nearest(bodies: Sequence[Body], camera: Camera) -> tuple[NDArray[np.int8], NDArray[np.float32]]:
-    """Number and z-depth (m) of the nearest body at each pixel, (H, W); `NOTHING` and 0 where there is none.
+    """Number and z-depth (m) of the nearest body at each pixel, (H, W); `NO_INSTANCE` and 0 where there is none.
 
     Args:
         bodies: Of equally near ones the first is seen.
         camera: Intrinsics and image size.
     """
     nearest = np.full((camera.height, camera.width), np.inf, dtype=np.float32)
-    numbers = np.full((camera.height, camera.width), NOTHING, dtype=np.int8)
+    numbers = np.full((camera.height, camera.width), NO_INSTANCE, dtype=np.int8)
     for mesh, X_CO, number in bodies:
         crop = depth_crop(mesh, X_CO, camera, pixel_center=PIXEL_CENTER)
         height, width = crop.depth.shape

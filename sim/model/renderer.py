@@ -1,4 +1,4 @@
-"""The one place that renders: RGB, z-depth and part numbers from a camera of the model."""
+"""The one place that renders: RGB, z-depth and instance ids from a camera of the model."""
 
 from typing import Any
 
@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 import maskval
 from maskval import Pose
 from sim.errors import GraphicsError
-from sim.instance_ids import NOTHING
+from sim.instance_ids import NO_INSTANCE
 
 GL_PACKAGES = "libegl1 libgl1 libosmesa6"
 
@@ -31,21 +31,21 @@ def pinhole(camera: maskval.Camera, X_BC: Pose) -> dict[str, Any]:
     }
 
 
-class Camera:
+class Renderer:
     """An off-screen renderer of one model; holds an OpenGL context, so make few and `close` them."""
 
-    def __init__(self, model: mujoco.MjModel, height: int, width: int) -> None:
+    def __init__(self, mj_model: mujoco.MjModel, height: int, width: int) -> None:
         try:
-            self._renderer: Any = mujoco.Renderer(model, height, width)
+            self._renderer: Any = mujoco.Renderer(mj_model, height, width)
         except Exception as error:  # the bindings raise whatever their platform's loader raises
             raise GraphicsError(
                 f"no off-screen OpenGL ({type(error).__name__}: {error}); expected EGL or OSMesa: "
                 f"apt-get install {GL_PACKAGES}, then set MUJOCO_GL to egl or osmesa"
             ) from error
-        names = (mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_GEOM, geom) or "" for geom in range(model.ngeom))
-        numbers = [int(name.removeprefix("part_")) if name.startswith("part_") else NOTHING for name in names]
-        self._part_of_geom = np.array([*numbers, NOTHING], dtype=np.int8)  # the last for -1, the background
-        self._zfar = float(model.vis.map.zfar * model.stat.extent)
+        names = (mujoco.mj_id2name(mj_model, mujoco.mjtObj.mjOBJ_GEOM, geom) or "" for geom in range(mj_model.ngeom))
+        numbers = [int(name.removeprefix("part_")) if name.startswith("part_") else NO_INSTANCE for name in names]
+        self._part_of_geom = np.array([*numbers, NO_INSTANCE], dtype=np.int8)  # the last for -1, the background
+        self._zfar = float(mj_model.vis.map.zfar * mj_model.stat.extent)
 
     def rgb(self, data: mujoco.MjData, camera: str) -> NDArray[np.uint8]:
         """The picture, (H, W, 3) uint8."""
@@ -62,8 +62,8 @@ class Camera:
         depth[depth >= 0.99 * self._zfar] = 0.0
         return depth
 
-    def part_numbers(self, data: mujoco.MjData, camera: str) -> NDArray[np.int8]:
-        """Which part each pixel shows, (H, W); `NOTHING` where it shows none."""
+    def instance_ids(self, data: mujoco.MjData, camera: str) -> NDArray[np.int8]:
+        """Which part each pixel shows, (H, W); `NO_INSTANCE` where it shows none."""
         self._renderer.enable_segmentation_rendering()
         seen = self._render(data, camera)
         self._renderer.disable_segmentation_rendering()

@@ -70,7 +70,7 @@ def add_robot(spec: mujoco.MjSpec, gripper: Gripper, camera_true: Camera, X_FC_t
     looks = maker_meshes() if use_meshes else None
     shells = arm_shells()
     body = spec.worldbody.add_body(name="base")
-    _dress(spec, body, shells["base"], looks)
+    _add_shells(spec, body, shells["base"], looks)
     for link in _LINKS:
         body = body.add_body(name=link.name, pos=link.position, quat=link.quaternion_wxyz, gravcomp=1.0)
         body.mass, body.ipos, body.inertia = link.mass, link.center_of_mass, _rod_inertia(link.mass)
@@ -85,7 +85,7 @@ def add_robot(spec: mujoco.MjSpec, gripper: Gripper, camera_true: Camera, X_FC_t
             actfrclimited=mujoco.mjtLimited.mjLIMITED_TRUE,
             actgravcomp=True,
         )
-        _dress(spec, body, shells[link.name], looks)
+        _add_shells(spec, body, shells[link.name], looks)
     for index, link in enumerate(_LINKS):
         spec.joint(link.name).actfrcrange = (-TORQUE_LIMITS[index], TORQUE_LIMITS[index])
         actuator = spec.add_actuator(name=link.name, target=link.name, trntype=mujoco.mjtTrn.mjTRN_JOINT)
@@ -105,7 +105,7 @@ def _rod_inertia(mass: float) -> tuple[float, float, float]:
     return (0.01 * mass, 0.01 * mass, 0.005 * mass)
 
 
-def _dress(
+def _add_shells(
     spec: mujoco.MjSpec, body: mujoco.MjsBody, shells: tuple[Shell, ...], looks: dict[str, list[MakerMesh]] | None
 ) -> None:
     """Gives a link its shells; with meshes to look at, they are hidden, but it is them that collide all the same."""

@@ -1,6 +1,6 @@
 """The simulated networks: exact ones, noisy ones, and one with an error of a wanted size.
 
-They read the truth of the newest frame from the booth, not its images. What they return is a function of seed,
+They read the truth of the newest frame from the latest_truth, not its images. What they return is a function of seed,
 experiment, part and view only: no call changes the next one's result.
 """
 
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from cell.interfaces import Detection, Frame, Image, MaskEstimator, PoseEstimator
 from cell.part import Part
 from maskval import Mesh, Pose, mdd
-from sim.networks.ground_truth import FrameTruth, TruthBooth
+from sim.networks.ground_truth import FrameTruth, LatestTruth
 from sim.networks.mask_noise import FALSE_ALARM_COUNT, MaskLatents, false_alarm, noisy_detection
 from sim.networks.noise_model import PartNoise
 from sim.networks.pose_noise import PoseLatents, displace, noisy_pose, pose_of_nothing
@@ -27,13 +27,13 @@ _NO_IMAGES: frozenset[Image] = frozenset()
 
 
 def make_estimators(
-    kind: Kind, booth: TruthBooth, part: Part, noise: PartNoise, streams: Streams
+    kind: Kind, latest_truth: LatestTruth, part: Part, noise: PartNoise, streams: Streams
 ) -> tuple[MaskEstimator, tuple[PoseEstimator, PoseEstimator]]:
     """The detector and the pose networks S1 and S2.
 
     Args:
         kind: "oracle" for exact ones (of `noise` they take the timing only), "noisy" for realistic ones.
-        booth: Where the truth of the newest frame is.
+        latest_truth: Where the truth of the newest frame is.
         part: The kind of part that is looked for.
         noise: Its error model.
         streams: The root of the experiment's random numbers.
@@ -42,33 +42,33 @@ def make_estimators(
         ValueError: another kind.
     """
     if kind == "oracle":
-        exact = OraclePoses(booth, part, noise)
-        return OracleMasks(booth, noise), (exact, exact)
+        exact = OraclePoses(latest_truth, part, noise)
+        return OracleMasks(latest_truth, noise), (exact, exact)
     if kind == "noisy":
-        first, second = (NoisyPoses(booth, part, noise, streams, network) for network in range(NETWORKS))
-        return NoisyMasks(booth, part, noise, streams), (first, second)
+        first, second = (NoisyPoses(latest_truth, part, noise, streams, network) for network in range(NETWORKS))
+        return NoisyMasks(latest_truth, part, noise, streams), (first, second)
     raise ValueError(f"unknown estimator {kind!r}: expected oracle or noisy")
 
 
 class OracleMasks:
     """Implements `cell.interfaces.MaskEstimator`: every visible part, its exact visible mask, score 1."""
 
-    def __init__(self, booth: TruthBooth, noise: PartNoise) -> None:
-        self._booth = booth
+    def __init__(self, latest_truth: LatestTruth, noise: PartNoise) -> None:
+        self._latest_truth = latest_truth
         self.inference_time = noise.timing.detector_s
         self.images = _NO_IMAGES
 
     def detect(self, frame: Frame) -> list[Detection]:
         """See `MaskEstimator`."""
-        truth = self._booth.of(frame)
+        truth = self._latest_truth.of(frame)
         return [Detection(truth.mask(part), 1.0) for part in truth.visible_parts()]
 
 
 class OraclePoses:
     """Implements `cell.interfaces.PoseEstimator`: the true pose of the part that a detection shows."""
 
-    def __init__(self, booth: TruthBooth, part: Part, noise: PartNoise) -> None:
-        self._booth, self._center_O = booth, middle(part.mesh)
+    def __init__(self, latest_truth: LatestTruth, part: Part, noise: PartNoise) -> None:
+        self._latest_truth, self._center_O = latest_truth, middle(part.mesh)
         self.inference_time = noise.timing.pose_s
         self.images = _NO_IMAGES
 
@@ -78,7 +78,7 @@ class OraclePoses:
         Raises:
             LookupError: a detection shows no part; exact masks never do that.
         """
-        truth = self._booth.of(frame)
+        truth = self._latest_truth.of(frame)
         parts = [_shown(truth, detections, index) for index in range(len(detections))]
         return [truth.X_CO_seen(part, self._center_O, frame.camera) for part in parts]
 
@@ -86,8 +86,8 @@ class OraclePoses:
 class NoisyMasks:
     """Implements `cell.interfaces.MaskEstimator` with the errors of `sim.networks.mask_noise`."""
 
-    def __init__(self, booth: TruthBooth, part: Part, noise: PartNoise, streams: Streams) -> None:
-        self._booth, self._mesh, self._noise = booth, part.mesh, noise.mask
+    def __init__(self, latest_truth: LatestTruth, part: Part, noise: PartNoise, streams: Streams) -> None:
+        self._latest_truth, self._mesh, self._noise = latest_truth, part.mesh, noise.mask
         self._center_O = middle(part.mesh)
         self._latents = ViewLatents(streams, noise.view)
         self.inference_time = noise.timing.detector_s
@@ -95,11 +95,11 @@ class NoisyMasks:
 
     def detect(self, frame: Frame) -> list[Detection]:
         """See `MaskEstimator`."""
-        truth = self._booth.of(frame)
+        truth = self._latest_truth.of(frame)
         found = [self._instance(truth, part, frame) for part in truth.visible_parts()]
         if self._noise.false_alarms_per_image > 0.0:
             latents = self._latents.of_camera("false alarm", FALSE_ALARM_COUNT, frame.X_BC)
-            found.append(false_alarm(truth.part_numbers.shape, latents, self._noise))
+            found.append(false_alarm(truth.instance_ids.shape, latents, self._noise))
         return [detection for detection in found if detection is not None]
 
     def _instance(self, truth: FrameTruth, part: int, frame: Frame) -> Detection | None:
@@ -107,7 +107,7 @@ class NoisyMasks:
         difficulty = _difficulty(self._latents, part, X_CO, self._center_O)
         vector = self._latents.of_part("mask", MaskLatents.COUNT, part, X_CO, self._center_O)
         visible = truth.mask(part)
-        neighbors = (truth.part_numbers >= 0) & ~visible
+        neighbors = (truth.instance_ids >= 0) & ~visible
         visibility = truth.visibility(part, self._mesh)
         return noisy_detection(visible, neighbors, visibility, MaskLatents.from_vector(difficulty, vector), self._noise)
 
@@ -115,10 +115,10 @@ class NoisyMasks:
 class NoisyPoses:
     """Implements `cell.interfaces.PoseEstimator` with the errors of `pose_noise`: S1 (network 0) or S2 (1)."""
 
-    def __init__(self, booth: TruthBooth, part: Part, noise: PartNoise, streams: Streams, network: int) -> None:
+    def __init__(self, latest_truth: LatestTruth, part: Part, noise: PartNoise, streams: Streams, network: int) -> None:
         if network not in range(NETWORKS):
-            raise ValueError(f"network must be 0 (S1) or 1 (S2), came {network}")
-        self._booth, self._mesh, self._noise, self._network = booth, part.mesh, noise.pose, network
+            raise ValueError(f"network must be 0 (S1) or 1 (S2), got {network}")
+        self._latest_truth, self._mesh, self._noise, self._network = latest_truth, part.mesh, noise.pose, network
         self._center_O = middle(part.mesh)
         self._latents = ViewLatents(streams, noise.view)
         self.inference_time = noise.timing.pose_s
@@ -126,7 +126,7 @@ class NoisyPoses:
 
     def estimate(self, frame: Frame, detections: Sequence[Detection]) -> list[Pose]:
         """See `PoseEstimator`; a detection that shows no part gets a pose that fits its place and size."""
-        truth = self._booth.of(frame)
+        truth = self._latest_truth.of(frame)
         return [self._pose(truth, frame, detection) for detection in detections]
 
     def _pose(self, truth: FrameTruth, frame: Frame, detection: Detection) -> Pose:
@@ -150,17 +150,19 @@ class ErrorPoses:
     the axis of the turn are uniform, and so is the share that the shift has of both.
 
     Args:
-        booth: Where the truth of the newest frame is.
+        latest_truth: Where the truth of the newest frame is.
         part: The kind of part.
         noise: Its error model, for the timing only.
         streams: The root of the experiment's random numbers.
         wanted_mdd: Maximum distance error over the part's vertices, m, in [0, 0.1].
     """
 
-    def __init__(self, booth: TruthBooth, part: Part, noise: PartNoise, streams: Streams, wanted_mdd: float) -> None:
+    def __init__(
+        self, latest_truth: LatestTruth, part: Part, noise: PartNoise, streams: Streams, wanted_mdd: float
+    ) -> None:
         if not 0.0 <= wanted_mdd <= 0.1:
-            raise ValueError(f"wanted_mdd must be in [0, 0.1] m, came {wanted_mdd}")
-        self._booth, self._mesh, self._streams, self._wanted = booth, part.mesh, streams, wanted_mdd
+            raise ValueError(f"wanted_mdd must be in [0, 0.1] m, got {wanted_mdd}")
+        self._latest_truth, self._mesh, self._streams, self._wanted = latest_truth, part.mesh, streams, wanted_mdd
         self.inference_time = noise.timing.pose_s
         self.images = _NO_IMAGES
 
@@ -170,7 +172,7 @@ class ErrorPoses:
         Raises:
             LookupError: a detection shows no part.
         """
-        truth = self._booth.of(frame)
+        truth = self._latest_truth.of(frame)
         parts = [_shown(truth, detections, index) for index in range(len(detections))]
         return [self._pose(truth.X_CO_true[part], part, frame.index) for part in parts]
 

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from cell.interfaces import Detection, Frame
 from maskval import Camera, Mesh, Pose, silhouette
-from sim.instance_ids import NOTHING, PIXEL_CENTER, shown_part
+from sim.instance_ids import NO_INSTANCE, PIXEL_CENTER, shown_part
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -16,24 +16,24 @@ class FrameTruth:
 
     Attributes:
         frame: index of the frame.
-        part_numbers: (H, W) int8, the part that each pixel shows, `NOTHING` where it shows none.
+        instance_ids: (H, W) int8, the part that each pixel shows, `NO_INSTANCE` where it shows none.
         X_CO_true: true pose of every part in the true camera.
         camera: the true camera.
     """
 
     frame: int
-    part_numbers: NDArray[np.int8]
+    instance_ids: NDArray[np.int8]
     X_CO_true: tuple[Pose, ...]
     camera: Camera
 
     def visible_parts(self) -> list[int]:
         """Parts with at least one pixel, in the order of their numbers."""
-        pixels = np.bincount(self.part_numbers.ravel() + 1)  # the first bin counts the pixels without a part
+        pixels = np.bincount(self.instance_ids.ravel() + 1)  # the first bin counts the pixels without a part
         return [int(part) for part in np.flatnonzero(pixels[1:])]
 
     def mask(self, part: int) -> NDArray[np.bool_]:
         """The pixels that show the part, (H, W)."""
-        shown: NDArray[np.bool_] = self.part_numbers == part
+        shown: NDArray[np.bool_] = self.instance_ids == part
         return shown
 
     def visibility(self, part: int, mesh: Mesh) -> float:
@@ -66,11 +66,11 @@ class FrameTruth:
 
     def part_of(self, detection: Detection) -> int | None:
         """The part that most of the detection's pixels show; None if they show none."""
-        part = shown_part(self.part_numbers, detection.mask)
-        return None if part == NOTHING else part
+        part = shown_part(self.instance_ids, detection.mask)
+        return None if part == NO_INSTANCE else part
 
 
-class TruthBooth:
+class LatestTruth:
     """Holds the truth about the newest frame for those who may ask: this package's estimators and the logs."""
 
     def __init__(self) -> None:

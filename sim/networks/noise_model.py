@@ -67,7 +67,7 @@ class PoseNoise:
         axis: Any = self.flip_axis
         numbers = isinstance(axis, tuple) and len(axis) == 3 and all(_is_number(x) for x in axis)
         if not numbers or not math.isclose(math.hypot(*axis), 1.0):
-            raise NoiseFileError(f"flip_axis: expected three numbers of norm 1, came {axis!r}")
+            raise NoiseFileError(f"flip_axis: expected three numbers of norm 1, got {axis!r}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,7 +94,7 @@ class MaskNoise:
         _check(self)
         low, high = self.drop_share_min, self.drop_share_max
         if low > high:
-            raise NoiseFileError(f"drop_share_min: expected at most drop_share_max = {high:g}, came {low:g}")
+            raise NoiseFileError(f"drop_share_min: expected at most drop_share_max = {high:g}, got {low:g}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -232,7 +232,7 @@ def read_noise(text: str, source: str) -> PartNoise:
 def _section(record: type[T], table: dict[str, Any], section: str, source: str) -> T:
     rows = table[section]
     if not isinstance(rows, dict):
-        raise NoiseFileError(f"{source}: {section}: expected a section, came {rows!r}")
+        raise NoiseFileError(f"{source}: {section}: expected a section, got {rows!r}")
     _check_keys(rows, {entry.name for entry in fields(record)}, source, f"key of [{section}]")  # type: ignore[arg-type]
     try:
         return record(**{key: tuple(value) if isinstance(value, list) else value for key, value in rows.items()})
@@ -254,7 +254,7 @@ def _check(record: Any) -> None:
             continue
         value, low, high = getattr(record, entry.name), entry.metadata["low"], entry.metadata["high"]
         if not _is_number(value) or not low <= value <= high:
-            raise NoiseFileError(f"{entry.name}: expected a number in [{low:g}, {high:g}], came {value!r}")
+            raise NoiseFileError(f"{entry.name}: expected a number in [{low:g}, {high:g}], got {value!r}")
 
 
 def _is_number(value: object) -> bool:

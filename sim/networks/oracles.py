@@ -1,6 +1,6 @@
 """Uncertainty methods that know the truth: what no method can beat, and what better masks could give.
 
-They are given the booth, as the simulated networks are; no other method can be.
+They are given the latest_truth, as the simulated networks are; no other method can be.
 """
 
 from dataclasses import dataclass, replace
@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from maskval import Estimates, MaskVal, mdd
-from sim.instance_ids import NOTHING, shown_part
-from sim.networks.ground_truth import TruthBooth
+from sim.instance_ids import NO_INSTANCE, shown_part
+from sim.networks.ground_truth import LatestTruth
 
 ERROR_THRESHOLD_M = 0.015  # the paper's e_t for its robot
 
@@ -22,18 +22,18 @@ class OracleMdd:
     Any rising function of the error ranks as well; this one is 1/2 at the paper's e_t, and 1 where no part is.
 
     Args:
-        booth: Where the truth of the picture that the estimates are from is.
+        latest_truth: Where the truth of the picture that the estimates are from is.
     """
 
-    booth: TruthBooth
+    latest_truth: LatestTruth
 
     def __call__(self, estimates: Estimates) -> NDArray[np.float64]:
         """A rising function of each pose's error, (N,), in [0, 1]."""
-        truth = self.booth.newest
+        truth = self.latest_truth.newest
         u = np.ones(len(estimates))
         for i, (X_CO, mask) in enumerate(zip(estimates.poses[0], estimates.masks, strict=True)):
-            part = shown_part(truth.part_numbers, mask)
-            if part != NOTHING:
+            part = shown_part(truth.instance_ids, mask)
+            if part != NO_INSTANCE:
                 error_m = mdd(X_CO, truth.X_CO_true[part], estimates.mesh.vertices)
                 u[i] = 1.0 - ERROR_THRESHOLD_M / (ERROR_THRESHOLD_M + error_m)
         return u
@@ -44,15 +44,15 @@ class OracleMask:
     """MaskVal with the true visible mask of the part that each mask shows; 1 where it shows none.
 
     Args:
-        booth: Where the truth of the picture that the estimates are from is.
+        latest_truth: Where the truth of the picture that the estimates are from is.
     """
 
-    booth: TruthBooth
+    latest_truth: LatestTruth
 
     def __call__(self, estimates: Estimates) -> NDArray[np.float64]:
         """MaskVal's u with the true masks, (N,), in [0, 1]."""
-        truth = self.booth.newest
-        parts = [shown_part(truth.part_numbers, mask) for mask in estimates.masks]
-        nothing = np.zeros_like(truth.part_numbers, dtype=np.bool_)
-        masks = [nothing if part == NOTHING else truth.mask(part) for part in parts]
+        truth = self.latest_truth.newest
+        parts = [shown_part(truth.instance_ids, mask) for mask in estimates.masks]
+        nothing = np.zeros_like(truth.instance_ids, dtype=np.bool_)
+        masks = [nothing if part == NO_INSTANCE else truth.mask(part) for part in parts]
         return MaskVal()(replace(estimates, masks=np.array(masks).reshape(estimates.masks.shape).astype(np.bool_)))

@@ -59,7 +59,7 @@ class PoseLatents:
             ValueError: another number of numbers, or one is not finite.
         """
         if vector.shape != (cls.COUNT,) or not np.isfinite(vector).all():
-            raise ValueError(f"expected {cls.COUNT} finite latents, came {vector}")
+            raise ValueError(f"expected {cls.COUNT} finite latents, got {vector}")
         frozen = vector.copy()
         frozen.setflags(write=False)
         return cls(

@@ -1,46 +1,106 @@
-"""What a controller meets: a bench reset for one experiment, with its station, referee and perception."""
+"""An episode: the cell reset for one experiment, with the robot's station, the referee and the perception."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+
+import numpy as np
 
 from cell.interfaces import MaskEstimator, PoseEstimator
+from cell.layout import Belt, Layout
 from cell.perception import Perception
-from maskval import UncertaintyMethod
+from maskval import Camera as Intrinsics
+from maskval import Mesh, Pose, UncertaintyMethod, silhouette, silhouette_iou
 from sim.instance_ids import PIXEL_CENTER
+from sim.model.clutter import CLEARANCES, distractors_of, place_distractors
+from sim.model.conditions import Conditions
+from sim.model.parts import load_part
+from sim.model.placement import convex_outline, feed_parts, feeding_length, place_parts
+from sim.model.renderer import Renderer
 from sim.networks.estimators import Kind, make_estimators
-from sim.networks.ground_truth import TruthBooth
+from sim.networks.ground_truth import LatestTruth
 from sim.networks.noise_model import PartNoise, load_noise
 from sim.networks.random_streams import Streams
 from sim.runtime.referee import SimReferee
-from sim.runtime.sim_cell import Bench, starting_poses
 from sim.runtime.station import SimStation
+from sim.runtime.world import World
 
 Estimators = tuple[MaskEstimator, tuple[PoseEstimator, ...]]
 
 
+@dataclass(frozen=True, slots=True)
+class SimCell:
+    """The physics of the cell with its renderer, built once and reset for every experiment."""
+
+    world: World
+    renderer: Renderer
+
+
+def build_cell(part: str, parts: int, conditions: Conditions, maker_meshes: bool, /) -> SimCell:
+    """Compiles the cell and opens its renderer, which takes a second.
+
+    Args:
+        part: name or TOML file of the part.
+        parts: how many of them.
+        conditions: what disturbs the cell.
+        maker_meshes: whether the arm is drawn with its maker's meshes.
+    """
+    layout, model = Layout(belt=belt_under(conditions, parts)), load_part(part)
+    world = World(layout, model, parts, conditions, maker_meshes)
+    _compile_kernels(model.part.mesh, layout.camera)
+    return SimCell(world, Renderer(world.mj_model, layout.camera.height, layout.camera.width))
+
+
+def _compile_kernels(mesh: Mesh, camera: Intrinsics) -> None:
+    """Has Numba compile what every picture needs, so that no network's time limit falls into it."""
+    ahead = Pose(rotation=np.eye(3), translation=np.array([0.0, 0.0, 0.5]))
+    silhouette_iou(mesh, [ahead], np.ones((1, camera.height, camera.width), dtype=np.bool_), camera)
+    silhouette(mesh, ahead, camera)
+
+
+def belt_under(conditions: Conditions, parts: int) -> Belt:
+    """The belt as it is; if it moves, with room upstream for all the parts that come along."""
+    belt = Belt(speed=conditions.belt_speed)
+    if not belt.speed:
+        return belt
+    return replace(belt, upstream=feeding_length(conditions.belt_true(belt).speed, conditions.takt_s, parts))
+
+
+def starting_poses(world: World, streams: Streams) -> list[Pose]:
+    """X_WO of the parts, then of the distractors: whatever the method, the same for conditions, streams and kind."""
+    belt, rng = world.belt_true, streams.generator(part=0, purpose="placement")
+    if belt.speed:
+        return feed_parts(world.part_model, world.parts, belt, rng, world.conditions.takt_s)
+    model, clutter = world.part_model, world.conditions.clutter
+    leaning = clutter == "touching"
+    parts = place_parts(model, world.parts, belt, rng, CLEARANCES[clutter], leaning=leaning)
+    outlines = [convex_outline(pose.apply(model.part.mesh.vertices)) for pose in parts]
+    things = streams.generator(part=0, purpose="distractors")
+    return parts + place_distractors(distractors_of(clutter), outlines, belt, things)
+
+
 @dataclass(frozen=True, slots=True, eq=False)
-class Stage:
-    """The robot, who judges it, and what it sees with."""
+class Episode:
+    """What a controller meets: the robot, its referee, and what it sees with."""
 
     station: SimStation
     referee: SimReferee
     perception: Perception
 
 
-def set_stage(
-    here: Bench,
+def begin_episode(
+    cell: SimCell,
     streams: Streams,
-    booth: TruthBooth,
+    latest_truth: LatestTruth,
     estimators: Kind | Estimators,
     method: UncertaintyMethod,
     *,
     noise: PartNoise | None = None,
-) -> Stage:
+) -> Episode:
     """Lays the parts on the belt, lets them settle, and sets the clock to 0.
 
     Args:
-        here: the bench; what stood on it before is over.
+        cell: the cell; the episode before is over.
         streams: the root of the experiment's random numbers.
-        booth: is told the truth about every frame.
+        latest_truth: is told the truth about every frame.
         estimators: "noisy" or "oracle", or a detector and pose networks of one's own.
         method: says how uncertain poses are.
         noise: error model of the simulated networks; the part's own by default.
@@ -48,11 +108,11 @@ def set_stage(
     Raises:
         SimError: the parts have no room, or do not come to rest.
     """
-    world, model = here.world, here.world.part_model
+    world, model = cell.world, cell.world.part_model
     world.reset(starting_poses(world, streams))
-    station = SimStation(world, here.camera, booth)
+    station = SimStation(world, cell.renderer, latest_truth)
     if isinstance(estimators, str):
-        estimators = make_estimators(estimators, booth, model.part, noise or load_noise(model.noise), streams)
+        estimators = make_estimators(estimators, latest_truth, model.part, noise or load_noise(model.noise), streams)
     detector, networks = estimators
     perception = Perception(model.part, detector, networks, method, PIXEL_CENTER)
-    return Stage(station, SimReferee(world, station), perception)
+    return Episode(station, SimReferee(world, station), perception)

@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 from cell.interfaces import Contact, Frame, Image, Touch
 from cell.trajectory import JointTrajectory
 from cell.ur10 import forward
-from sim.model.renderer import Camera
-from sim.networks.ground_truth import FrameTruth, TruthBooth
+from sim.model.renderer import Renderer
+from sim.networks.ground_truth import FrameTruth, LatestTruth
 from sim.runtime.world import World
 
 COLLISION_FORCE = 30.0  # N; free motions read exactly 0, a grasp on a wrong pose reads 80 and more
@@ -22,8 +22,8 @@ Command = tuple[NDArray[np.float64], NDArray[np.float64]]
 class SimStation:
     """Implements `cell.interfaces.Station` on a `World`."""
 
-    def __init__(self, world: World, camera: Camera, booth: TruthBooth) -> None:
-        self._world, self._camera, self._booth = world, camera, booth
+    def __init__(self, world: World, camera: Renderer, latest_truth: LatestTruth) -> None:
+        self._world, self._camera, self._latest_truth = world, camera, latest_truth
         self._rows = world.touch_sensors()
         self._peaks = np.zeros(len(world.contact_forces()))
         self._frames = 0
@@ -73,10 +73,10 @@ class SimStation:
             rgb=self._camera.rgb(data, "wrist") if Image.RGB in images else None,
             depth=self._camera.depth(data, "wrist") if Image.DEPTH in images else None,
         )
-        self._booth.keep(
+        self._latest_truth.keep(
             FrameTruth(
                 frame=frame.index,
-                part_numbers=self._camera.part_numbers(data, "wrist"),
+                instance_ids=self._camera.instance_ids(data, "wrist"),
                 X_CO_true=tuple(self._world.X_CO(part) for part in range(self._world.parts)),
                 camera=self._world.camera_true,
             )

@@ -39,13 +39,13 @@ class Window:
     def __init__(self, world: World) -> None:
         _check_display()
         self._world = world
-        self._model, self._data = copy.copy(world.model), copy.copy(world.data)
+        self._mj_model, self._data = copy.copy(world.mj_model), copy.copy(world.data)
         before = set(threading.enumerate())
-        self._viewer = mujoco.viewer.launch_passive(self._model, self._data, show_left_ui=False, show_right_ui=False)
+        self._viewer = mujoco.viewer.launch_passive(self._mj_model, self._data, show_left_ui=False, show_right_ui=False)
         self._threads = set(threading.enumerate()) - before
         atexit.register(self.close)  # before GLFW, which the viewer has registered, terminates
         with self._viewer.lock():
-            _look_from(self._viewer.cam, self._model, self._data, "overview")
+            _look_from(self._viewer.cam, self._mj_model, self._data, "overview")
         self._began = (world.time, time.monotonic())  # when both clocks were together
         self._shown_at = world.time
 
@@ -64,7 +64,7 @@ class Window:
         else:
             time.sleep(max(0.0, ahead))
         self._shown_at = now
-        mujoco.mj_copyData(self._data, self._model, self._world.data)
+        mujoco.mj_copyData(self._data, self._mj_model, self._world.data)
         self._viewer.sync()
 
     def close(self) -> None:
@@ -75,15 +75,15 @@ class Window:
             thread.join(CLOSING_TIME)
 
 
-def _look_from(view: mujoco.MjvCamera, model: mujoco.MjModel, data: mujoco.MjData, camera: str) -> None:
+def _look_from(view: mujoco.MjvCamera, mj_model: mujoco.MjModel, data: mujoco.MjData, camera: str) -> None:
     """Puts the view that the mouse moves where a camera of the model stands, without its roll."""
     fixed = data.camera(camera)
     forward_W = -fixed.xmat.reshape(3, 3)[:, 2]
-    view.distance = forward_W @ (model.stat.center - fixed.xpos)
+    view.distance = forward_W @ (mj_model.stat.center - fixed.xpos)
     view.lookat = fixed.xpos + view.distance * forward_W
     view.azimuth = np.degrees(np.arctan2(forward_W[1], forward_W[0]))
     view.elevation = np.degrees(np.arcsin(forward_W[2]))
-    model.vis.global_.fovy = model.camera(camera).fovy[0]
+    mj_model.vis.global_.fovy = mj_model.camera(camera).fovy[0]
 
 
 def _check_display() -> None:

@@ -47,9 +47,9 @@ class World:
     ) -> None:
         self.layout, self.part_model, self.parts, self.conditions = layout, model, parts, conditions
         self.camera_true, self.belt_true = conditions.camera_true(layout.camera), conditions.belt_true(layout.belt)
-        self.model = build_scene(layout, [model] * parts, model.part.slot_size, conditions, use_meshes=use_meshes)
-        self.data = mujoco.MjData(self.model)
-        compiled = self.model
+        self.mj_model = build_scene(layout, [model] * parts, model.part.slot_size, conditions, use_meshes=use_meshes)
+        self.data = mujoco.MjData(self.mj_model)
+        compiled = self.mj_model
         self._arm = np.array([compiled.joint(name).qposadr[0] for name in JOINTS])
         self._jaw = compiled.joint(FINGERS[0]).qposadr[0]
         servo = compiled.actuator_ctrladr[compiled.actuator(JOINTS[0]).id]
@@ -84,15 +84,15 @@ class World:
         Raises:
             DivergenceError: the parts do not come to rest in finite numbers.
         """
-        mujoco.mj_resetData(self.model, self.data)
-        self.model.geom_surfacevel[self._belt, SURFACE_VELOCITY_Y] = 0.0  # the model's, so not part of the reset data
+        mujoco.mj_resetData(self.mj_model, self.data)
+        self.mj_model.geom_surfacevel[self._belt, SURFACE_VELOCITY_Y] = 0.0  # the model's, not the data's
         self.data.qpos[self._arm] = self.q_home
         for address, pose in zip(self._free_joints, X_WO, strict=True):
             self.data.qpos[address : address + 3] = pose.translation
             self.data.qpos[address + 3 : address + 7] = pose.quaternion_wxyz
         self.command_arm(self.q_home, np.zeros(6))
         self.command_jaws(self.layout.gripper.max_half_opening)
-        mujoco.mj_step(self.model, self.data, round(SETTLE_TIME / self.model.opt.timestep))
+        mujoco.mj_step(self.mj_model, self.data, round(SETTLE_TIME / self.mj_model.opt.timestep))
         self.check()
         self.data.time = 0.0
         if self.belt_true.speed:
@@ -106,7 +106,7 @@ class World:
     @property
     def time_step(self) -> float:
         """Period of the robot's controller, s."""
-        return float(self.model.opt.timestep) * STEPS_PER_COMMAND
+        return float(self.mj_model.opt.timestep) * STEPS_PER_COMMAND
 
     @property
     def q(self) -> Array:
@@ -130,14 +130,14 @@ class World:
 
     def move_belt(self, speed: float) -> None:
         """Sets the speed of the belt's surface along W's y, m/s, and wakes the parts that lie on it."""
-        self.model.geom_surfacevel[self._belt, SURFACE_VELOCITY_Y] = speed
+        self.mj_model.geom_surfacevel[self._belt, SURFACE_VELOCITY_Y] = speed
         nudge = 1e-2  # m/s: sleeping parts are not woken by the surface under them
         for body in self._bodies:
-            self.data.qvel[self.model.body_dofadr[body] + SURFACE_VELOCITY_Y] += nudge
+            self.data.qvel[self.mj_model.body_dofadr[body] + SURFACE_VELOCITY_Y] += nudge
 
     def step(self) -> None:
         """One period of the robot's controller."""
-        mujoco.mj_step(self.model, self.data, STEPS_PER_COMMAND)
+        mujoco.mj_step(self.mj_model, self.data, STEPS_PER_COMMAND)
         if self.on_step is not None:
             self.on_step()
 
@@ -186,7 +186,8 @@ class World:
             Touch.PRESSED: [container_presses(index) for index in range(self.parts)],
         }
         return {
-            touch: np.array([self.model.sensor(name).adr[0] // 3 for name in group]) for touch, group in names.items()
+            touch: np.array([self.mj_model.sensor(name).adr[0] // 3 for name in group])
+            for touch, group in names.items()
         }
 
     def contact_forces(self) -> Array:

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from cell.conveyor_tracking import RAMP_TIME, at_speed, carried, joining, leaving, ride
+from cell.conveyor_tracking import RAMP_TIME, at_speed, carried, joining, leaving, track
 from cell.motion_limits import PRESETS
 from cell.trajectory import line_poses
 from cell.ur10 import SPEED_LIMITS, forward, forward_batch, inverse_on_branch
@@ -17,7 +17,7 @@ Q_HIGH = inverse_on_branch(X_HIGH, HOME)
 
 def test_a_line_on_the_belt_is_the_line_at_rest_carried_along() -> None:
     line = line_poses(X_HIGH, X_LOW, PRESETS["ur-default"], DT)
-    trajectory = ride(line, Q_HIGH, V_B, at_speed, DT)
+    trajectory = track(line, Q_HIGH, V_B, at_speed, DT)
     assert trajectory is not None
     time = DT * np.arange(1, len(line) + 1)
     reached = forward_batch(trajectory.positions)
@@ -40,7 +40,7 @@ def test_joining_and_leaving_cover_half_of_the_belts_way_without_a_jump_in_speed
 
 def test_an_arm_that_stands_still_on_the_belt_leaves_it_where_that_carries_it() -> None:
     standing = np.repeat(X_HIGH.matrix[None], round(RAMP_TIME / DT), axis=0)
-    trajectory = ride(standing, Q_HIGH, V_B, leaving, DT)
+    trajectory = track(standing, Q_HIGH, V_B, leaving, DT)
     assert trajectory is not None
     moved = forward(trajectory.positions[-1]).translation - X_HIGH.translation
     assert moved == pytest.approx(V_B * RAMP_TIME / 2, abs=1e-6)
@@ -49,8 +49,8 @@ def test_an_arm_that_stands_still_on_the_belt_leaves_it_where_that_carries_it() 
 
 def test_a_ride_out_of_reach_is_none() -> None:
     standing = np.repeat(X_HIGH.matrix[None], 7500, axis=0)  # 15 s, 1.5 m
-    assert ride(standing, Q_HIGH, V_B, at_speed, DT) is None
-    assert ride(standing[:500], Q_HIGH, V_B, at_speed, DT) is not None
+    assert track(standing, Q_HIGH, V_B, at_speed, DT) is None
+    assert track(standing[:500], Q_HIGH, V_B, at_speed, DT) is not None
 
 
 def test_what_is_carried_moves_with_the_belt_and_turns_not() -> None:

@@ -14,11 +14,11 @@ from hypothesis import strategies as st
 from cell.cycle import CycleConfig
 from cell.errors import CellError, EstimatorError, LayoutError, PolicyError
 from cell.interfaces import Action, Decision, Detection, Frame, Observation, Outcome, Touch
-from cell.records import Failed, Slot, State
+from cell.records import FailedFrame, State, TimeSlot
 from cell.ur10 import forward
 from cell.viewpoints import refinement_view, search_run
 from maskval import Pose
-from policies import Always, Threshold
+from policies import Always, ThresholdPolicy
 from tests.fakes import (
     ATTEMPT,
     CONTACT_FORCE,
@@ -43,7 +43,7 @@ HERE = on_belt(PART, LAYOUT, turned())
 ON_ITS_SIDE = on_belt(PART, LAYOUT, turned(roll_deg=90), y_W=-0.3)
 FAR = on_belt(PART, LAYOUT, turned(), x_W=2.0)
 LOOK = [State.LOOK, State.DECIDE]
-CAREFUL = Threshold(u_grasp=0.2, u_refine=0.6)
+CAREFUL = ThresholdPolicy(u_grasp=0.2, u_refine=0.6)
 
 
 def config(parts: int = 1, slot_time: float = 20.0, **other: float) -> CycleConfig:
@@ -73,7 +73,7 @@ def test_a_part_that_can_be_placed_is_placed_through_the_states_in_order():
     assert entered(experiment) == [State.SEARCH, *LOOK, *ATTEMPT, State.DONE]
     count = experiment.count
     assert (count.tp, count.fp, count.fn, count.void, count.unreachable, count.timeouts) == (1, 0, 0, 0, 0, 0)
-    assert experiment.slots == [Slot(0, 0.0, count.duration, Outcome.PLACED)]
+    assert experiment.slots == [TimeSlot(0, 0.0, count.duration, Outcome.PLACED)]
     assert count.duration == experiment.station.time
 
 
@@ -108,21 +108,21 @@ def test_a_slot_in_which_nothing_is_seen_is_a_timeout_after_20_s():
     experiment = run_cycle(Always(), config=config(parts=2), masks=[[]])
     assert LOOK_TIME == 2.0
     assert len(experiment.seen) == 2 * 20 / 2
-    assert experiment.slots == [Slot(0, 0.0, 20.0, None), Slot(1, 20.0, 40.0, None)]
+    assert experiment.slots == [TimeSlot(0, 0.0, 20.0, None), TimeSlot(1, 20.0, 40.0, None)]
     assert (experiment.count.timeouts, experiment.count.duration) == (2, 40.0)
     assert experiment.attempts == []
 
 
 def test_a_look_that_began_in_time_is_finished_before_the_timeout():
     slots = run_cycle(Always(), config=config(slot_time=9.0), masks=[[]]).slots
-    assert slots == [Slot(0, 0.0, 5 * LOOK_TIME, None)]  # the fifth look begins at 8 s
+    assert slots == [TimeSlot(0, 0.0, 5 * LOOK_TIME, None)]  # the fifth look begins at 8 s
 
 
 def test_an_attempt_that_began_in_time_is_finished_and_counts():
     experiment = run_cycle(Always(), config=config(slot_time=2.5))
     assert experiment.attempts[0].start == LOOK_TIME < 2.5
     assert experiment.attempts[0].end > 2.5
-    assert experiment.slots == [Slot(0, 0.0, experiment.attempts[0].end, Outcome.PLACED)]
+    assert experiment.slots == [TimeSlot(0, 0.0, experiment.attempts[0].end, Outcome.PLACED)]
     assert (experiment.count.tp, experiment.count.timeouts) == (1, 0)
 
 
@@ -428,7 +428,7 @@ def test_the_frame_on_which_something_failed_is_told_of(case):
     masks = [[]] * 2 + [[0.9]] if case == "policy" else [[], [], [7.0]]
     with pytest.raises(CellError) as error:
         run_cycle(fails, masks=masks, listener=told.append)
-    (failed,) = (record for record in told if isinstance(record, Failed))
+    (failed,) = (record for record in told if isinstance(record, FailedFrame))
     assert (failed.frame.index, failed.refining, failed.reason) == (2, False, str(error.value))
     assert (failed.observation is None) == (case == "detector")
     assert told[-1] is failed

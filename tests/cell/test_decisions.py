@@ -8,8 +8,8 @@ from cell.cycle import Cycle, CycleConfig, Deciding
 from cell.errors import PolicyError
 from cell.interfaces import Action, Decision, Outcome
 from cell.perception import Perception
-from cell.records import Count, Slot
-from policies import Threshold
+from cell.records import Tally, TimeSlot
+from policies import ThresholdPolicy
 from tests.fakes import (
     SETTLE_TIME,
     VOID,
@@ -48,22 +48,22 @@ def undecided() -> tuple[Cycle, Records]:
     return cycle, records
 
 
-def driven(decisions: Deciding[Count], policy: Threshold) -> Count:
+def driven(decisions: Deciding[Tally], policy: ThresholdPolicy) -> Tally:
     try:
         observation = next(decisions)
         while True:
             observation = decisions.send(policy.decide(observation))
     except StopIteration as end:
-        count: Count = end.value
+        count: Tally = end.value
         return count
 
 
 def test_whoever_decides_like_the_policy_gets_what_the_policy_gets():
-    policy = Threshold(u_grasp=0.2, u_refine=0.6)
+    policy = ThresholdPolicy(u_grasp=0.2, u_refine=0.6)
     expected = run_cycle(policy, config=CONFIG, u=U, tries=TRIES)
     cycle, records = undecided()
     assert driven(cycle.decisions(), policy) == expected.count
-    assert records.of(Slot) == expected.slots
+    assert records.of(TimeSlot) == expected.slots
     assert [seen.decision for seen in records.of(type(expected.seen[0]))] == [seen.decision for seen in expected.seen]
     assert len(expected.seen) > 4
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from cell.guards import ask
+from cell.guards import guarded_call
 
 
 def refusal(what: str) -> Exception:
@@ -33,7 +33,7 @@ def raises() -> None:
 
 def test_an_answer_is_handed_on_and_no_alarm_is_left() -> None:
     before = signal.getsignal(signal.SIGALRM)
-    assert ask(lambda: 7, 5.0, refusal) == 7
+    assert guarded_call(lambda: 7, 5.0, refusal) == 7
     assert signal.getitimer(signal.ITIMER_REAL) == (0.0, 0.0)
     assert signal.getsignal(signal.SIGALRM) is before
 
@@ -42,7 +42,7 @@ def test_an_answer_is_handed_on_and_no_alarm_is_left() -> None:
 def test_what_hangs_is_ended_after_the_limit_and_no_alarm_is_left(hangs: Callable[[], Any]) -> None:
     before, begun = signal.getsignal(signal.SIGALRM), time.monotonic()
     with pytest.raises(ValueError, match=r"^it took longer than 0\.05 s$"):
-        ask(hangs, 0.05, refusal)
+        guarded_call(hangs, 0.05, refusal)
     assert 0.05 <= time.monotonic() - begun < 5.0
     assert signal.getitimer(signal.ITIMER_REAL) == (0.0, 0.0)
     assert signal.getsignal(signal.SIGALRM) is before
@@ -57,7 +57,7 @@ def test_what_hangs_is_ended_after_the_limit_and_no_alarm_is_left(hangs: Callabl
 )
 def test_what_is_raised_is_refused_with_its_kind_and_cause(question: Callable[[], Any], words: str) -> None:
     with pytest.raises(ValueError, match=rf"^{words} \(test_guards\.py:\d+\)$") as refused:
-        ask(question, 5.0, refusal)
+        guarded_call(question, 5.0, refusal)
     assert refused.value.__cause__ is not None
 
 
@@ -66,9 +66,9 @@ def test_ctrl_c_is_nobodys_failure() -> None:
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        ask(interrupted, 5.0, refusal)
+        guarded_call(interrupted, 5.0, refusal)
 
 
 def test_outside_of_the_main_thread_there_is_no_limit() -> None:
     with ThreadPoolExecutor(1) as threads:
-        assert threads.submit(ask, lambda: time.sleep(0.05) or 7, 0.01, refusal).result() == 7
+        assert threads.submit(guarded_call, lambda: time.sleep(0.05) or 7, 0.01, refusal).result() == 7

@@ -1,11 +1,11 @@
 import pytest
 
 from cell.interfaces import Outcome
-from cell.records import Count
+from cell.records import Tally
 
 
-def count(tp: int, fp: int, fn: int) -> Count:
-    return Count(parts=8, tp=tp, fp=fp, fn=fn, void=2, unreachable=1, timeouts=8 - tp - fp, duration=160.0)
+def count(tp: int, fp: int, fn: int) -> Tally:
+    return Tally(parts=8, tp=tp, fp=fp, fn=fn, void=2, unreachable=1, timeouts=8 - tp - fp, duration=160.0)
 
 
 def test_ap_is_the_share_of_placed_parts_among_attempts_that_count():

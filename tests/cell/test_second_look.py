@@ -8,7 +8,7 @@ from cell.interfaces import Action, Decision, Observation, Outcome, Touch
 from cell.records import State
 from cell.viewpoints import REFINE_DISTANCE, refinement_view
 from maskval import Pose
-from policies import Always, Threshold
+from policies import Always, ThresholdPolicy
 from tests.fakes import (
     ATTEMPT,
     LOOK_TIME,
@@ -27,7 +27,7 @@ PART, LAYOUT = brick(), small_layout(SPEED)
 MIDDLE_O = PART.mesh.bounds.mean(axis=0)
 FIRST = on_belt(PART, LAYOUT, turned(), y_W=0.4)
 THEN = on_belt(PART, LAYOUT, turned(yaw_deg=5.0), y_W=0.2)  # where the fresh look shows it
-CAREFUL = Threshold(u_grasp=0.2, u_refine=0.6)
+CAREFUL = ThresholdPolicy(u_grasp=0.2, u_refine=0.6)
 LOOK, AGAIN = [State.SEARCH, State.LOOK, State.DECIDE], [State.REFINE, State.LOOK, State.DECIDE]
 
 

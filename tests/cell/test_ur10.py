@@ -296,7 +296,7 @@ def test_path_keeps_turning_wrist_3_past_half_a_turn_and_ends_at_its_limit() -> 
     q_start = inverse_on_branch(flange_over_belt(place), [0.0, 0.0, 0.0, 0.0, 0.0, math.pi])
     assert q_start is not None
     one_turn = inverse_path(X[:200], q_start)
-    # Seen from above the flange turns left, seen along its own z right: wrist 3 goes down by as much as it has turned.
+    # From above the flange turns left, along its own z right: wrist 3 goes down by as much as it has turned.
     assert one_turn is not None
     np.testing.assert_allclose(one_turn[:, 5], q_start[5] - yaws[:200], atol=1e-9)
     assert inverse_path(X, q_start) is None

@@ -8,8 +8,8 @@ import pytest
 
 from experiments import cli
 from experiments.cli import COMMANDS, options
+from experiments.setup.experiment import kept_cell
 from sim.model import renderer as camera
-from sim.runtime.sim_cell import bench
 from tests.experiments.command import Told, command
 
 ROOT = Path(__file__).parents[2]
@@ -190,7 +190,7 @@ def test_without_off_screen_opengl_the_one_line_names_the_packages_to_install(
         raise AttributeError("'NoneType' object has no attribute 'eglQueryString'")
 
     monkeypatch.setattr("sim.model.renderer.mujoco.Renderer", fail)
-    bench.cache_clear()
+    kept_cell.cache_clear()
     for job in (["compare", "--jobs", 1], ["run"]):
         told = command(capsys, *job, "--parts", 1, "--out", tmp_path)
         assert (told.code, is_one_line(told)) == (2, True)

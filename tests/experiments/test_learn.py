@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from gymnasium import spaces
 
-from cell.records import Count
+from cell.records import Tally
 from experiments import learn
 from experiments.commands.config import Compare
 from experiments.learn import HEADER, LeastUncertain, Worlds, row
-from experiments.setup.actors import Parties
+from experiments.setup.actors import Actors
 
 N = 3
 
@@ -58,12 +58,12 @@ def test_every_experiment_has_the_error_model_that_compare_gives_it():
             told.append((seed, options))
             return super().reset()
 
-    env = Worlds(Resetting(), "handle", Parties(gap="fitted"))
+    env = Worlds(Resetting(), "handle", Actors(gap="fitted"))
     env.reset(seed=7)
     env.reset()
     env.reset(options={"experiment": 5})
     env.reset()
-    specs = Compare(objects=("handle",), methods=("none",), experiments=7, parties=Parties(gap="fitted")).specs()
+    specs = Compare(objects=("handle",), methods=("none",), experiments=7, actors=Actors(gap="fitted")).specs()
     assert [seed for seed, _ in told] == [7, None, None, None]
     assert [options["experiment"] for _, options in told] == [0, 1, 5, 6]
     assert [options["noise"] for _, options in told] == [dict(specs[number].noise) for number in (0, 1, 5, 6)]
@@ -72,8 +72,8 @@ def test_every_experiment_has_the_error_model_that_compare_gives_it():
 
 def test_a_row_has_the_pooled_intervals_and_the_parts_per_hour():
     counts = [
-        Count(parts=8, tp=8, fp=0, fn=0, void=0, unreachable=0, timeouts=0, duration=80.0),
-        Count(parts=8, tp=6, fp=2, fn=1, void=3, unreachable=0, timeouts=0, duration=100.0),
+        Tally(parts=8, tp=8, fp=0, fn=0, void=0, unreachable=0, timeouts=0, duration=80.0),
+        Tally(parts=8, tp=6, fp=2, fn=1, void=3, unreachable=0, timeouts=0, duration=100.0),
     ]
     told = dict(zip(HEADER, row("some", counts), strict=True))
     assert told["AP %"] == f"{100 * (1.0 + 6 / 8) / 2:.1f}"

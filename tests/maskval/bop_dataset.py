@@ -48,9 +48,9 @@ def write(folder: Path, *, split: str = "test") -> tuple[Path, Path]:
         for index, found in enumerate(drawn):
             bop.write_mask(bop.mask_path(scene, im_id, index), found.mask)
         results.append(
-            bop.Result(SCENE, im_id, CUBE, 0.5, Pose.from_translation((SHIFTS_M[im_id], 0, 0)) @ X_CUBE, 0.1)
+            bop.PoseResult(SCENE, im_id, CUBE, 0.5, Pose.from_translation((SHIFTS_M[im_id], 0, 0)) @ X_CUBE, 0.1)
         )
-        results.append(bop.Result(SCENE, im_id, STAR, 0.9, X_STAR @ POINT, 0.1))
+        results.append(bop.PoseResult(SCENE, im_id, STAR, 0.9, X_STAR @ POINT, 0.1))
         detections += [
             detection_of_mask(SCENE, im_id, obj_id, 1.0, drawn[index].mask) for obj_id, index in ((STAR, 1), (CUBE, 0))
         ]
@@ -59,7 +59,7 @@ def write(folder: Path, *, split: str = "test") -> tuple[Path, Path]:
     bop.write_scene_camera(scene / "scene_camera.json", {im_id: bop.ImageCamera(CAMERA.K) for im_id in truths})
     bop.write_targets(
         folder / f"{split}_targets_bop19.json",
-        [bop.Target(SCENE, im_id, obj_id, 1) for im_id in truths for obj_id in (CUBE, STAR)],
+        [bop.EvaluationTarget(SCENE, im_id, obj_id, 1) for im_id in truths for obj_id in (CUBE, STAR)],
     )
     bop.write_results(folder / f"ours_small-{split}.csv", results)
     bop.write_detections(folder / "detections.json", detections)

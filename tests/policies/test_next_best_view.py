@@ -6,7 +6,7 @@ from cell.interfaces import Action, Decision
 from cell.layout import Layout
 from cell.viewpoints import search_run
 from maskval import Pose
-from policies import NextBestView, Threshold
+from policies import NextBestView, ThresholdPolicy
 from policies.next_best_view import visible_errors
 from policies.views import views_around
 from tests.fakes import box_mesh, brick, observation, on_belt, policy_setup, turned
@@ -18,7 +18,7 @@ VIEW = search_run(LAYOUT).views[2]
 @pytest.mark.parametrize("u", [0.1, 0.2, 0.61, 1.0])
 def test_next_best_view_decides_like_threshold_where_it_does_not_look_again(u):
     seen = observation([0.9, u], X_BC=VIEW, X_BO=2 * [on_belt(PART, LAYOUT, turned())])
-    assert NextBestView(policy_setup()).decide(seen) == Threshold(0.2, 0.6).decide(seen)
+    assert NextBestView(policy_setup()).decide(seen) == ThresholdPolicy(0.2, 0.6).decide(seen)
 
 
 def test_the_errors_that_a_view_from_above_shows_are_those_of_a_box_by_hand():

@@ -4,10 +4,10 @@ import math
 import pytest
 
 from cell.interfaces import Action, Decision
-from policies import Threshold
+from policies import ThresholdPolicy
 from tests.fakes import observation
 
-POLICY = Threshold(u_grasp=0.2, u_refine=0.6)
+POLICY = ThresholdPolicy(u_grasp=0.2, u_refine=0.6)
 
 
 @pytest.mark.parametrize(
@@ -48,7 +48,7 @@ def test_threshold_searches_when_nothing_is_seen():
 
 
 def test_threshold_never_refines_when_grasping_allows_more_than_refining():
-    actions = [Threshold(0.7, 0.6).decide(observation([u])).action for u in (0.0, 0.65, 0.7, 0.75, 1.0)]
+    actions = [ThresholdPolicy(0.7, 0.6).decide(observation([u])).action for u in (0.0, 0.65, 0.7, 0.75, 1.0)]
     assert actions == [Action.GRASP] * 3 + [Action.SEARCH] * 2
 
 

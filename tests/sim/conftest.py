@@ -8,8 +8,8 @@ import pytest
 from cell.layout import Layout
 from maskval import Pose
 from sim.model.parts import PartModel, load_part
-from sim.model.renderer import Camera
-from sim.networks.ground_truth import TruthBooth
+from sim.model.renderer import Renderer
+from sim.networks.ground_truth import LatestTruth
 from sim.runtime.station import SimStation
 from sim.runtime.world import World
 
@@ -44,15 +44,15 @@ def antenna_world(antenna: PartModel) -> World:
 
 
 @pytest.fixture(scope="session")
-def antenna_camera(antenna_world: World) -> Iterator[Camera]:
-    camera = Camera(antenna_world.model, 480, 640)
+def antenna_camera(antenna_world: World) -> Iterator[Renderer]:
+    camera = Renderer(antenna_world.mj_model, 480, 640)
     yield camera
     camera.close()
 
 
 @pytest.fixture
-def station(antenna: PartModel, antenna_world: World, antenna_camera: Camera) -> SimStation:
+def station(antenna: PartModel, antenna_world: World, antenna_camera: Renderer) -> SimStation:
     """A fresh station over two standing antennas at y = 0.3 and −0.3 in the middle of the belt."""
     x = antenna_world.layout.belt.center_x
     antenna_world.reset([on_belt(antenna, x, y, standing(antenna)) for y in (0.3, -0.3)])
-    return SimStation(antenna_world, antenna_camera, TruthBooth())
+    return SimStation(antenna_world, antenna_camera, LatestTruth())

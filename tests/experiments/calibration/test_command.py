@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from experiments.calibration.command import UNREACHED, miss
-from experiments.calibration.images import ImageSet, Trial, run_trial
+from experiments.calibration.images import ErrorModelTrial, ImageSet, run_trial
 from experiments.calibration.noise_file import rewrite
-from experiments.calibration.targets import Target
+from experiments.calibration.targets import FitTarget
 from experiments.cli import main
 from sim.networks.noise_model import load_noise, noise_text, read_noise
 
@@ -35,7 +35,7 @@ def fitted(tmp_path_factory):
     """A fit to what a model with other parameters gives on the same images."""
     folder = tmp_path_factory.mktemp("calibrate")
     truth = load_noise("handle").changed({"mask.field_cells": 0.25, "pose.rotation_deg": 0.8})
-    of_masks, of_methods = run_trial(Trial(IMAGES, truth, methods=True))
+    of_masks, of_methods = run_trial(ErrorModelTrial(IMAGES, truth, methods=True))
     (folder / "targets.toml").write_text(TARGETS.format(ap=of_masks.ap_50_95, spearman=of_methods["maskval"].spearman))
     arguments = ["--part", "handle", "--targets", str(folder / "targets.toml"), "--images", "40", "--seed", "5"]
     for jobs in ("1", "2"):
@@ -46,7 +46,7 @@ def fitted(tmp_path_factory):
 
 def test_a_fit_reaches_the_figures_of_a_model_with_other_parameters(fitted) -> None:
     found = json.loads((fitted / "1" / "calibration.json").read_text())
-    before = run_trial(Trial(IMAGES, load_noise("handle"), methods=True))
+    before = run_trial(ErrorModelTrial(IMAGES, load_noise("handle"), methods=True))
     starts = {"mask": before[0].ap_50_95, "maskval": before[1]["maskval"].spearman}
     assert len(found["targets"]) == 2
     for target in found["targets"]:
@@ -90,7 +90,7 @@ def test_a_trial_gives_the_figures_that_the_dataset_command_prints(tmp_path) -> 
         )
     assert end.value.code == 0
     (one,) = json.loads((tmp_path / "dataset.json").read_text())["objects"]
-    of_masks, of_methods = run_trial(Trial(IMAGES, load_noise("handle"), methods=True))
+    of_masks, of_methods = run_trial(ErrorModelTrial(IMAGES, load_noise("handle"), methods=True))
     assert {name: one["mask"][name] for name in of_masks._fields} == pytest.approx(of_masks._asdict())
     for method in ("maskval", "ensemble-add"):
         printed = {name: one["methods"][method][name] for name in of_methods[method]._fields}
@@ -99,9 +99,9 @@ def test_a_trial_gives_the_figures_that_the_dataset_command_prints(tmp_path) -> 
 
 def test_a_figure_that_does_not_exist_misses_by_the_most() -> None:
     targets = [
-        Target("maskval", "u_tg", 0.5, 0.1),
-        Target("mask", "ap_50", 0.9, 1e-6),
-        Target("mask", "ar_100", 0.9, 0.1),
+        FitTarget("maskval", "u_tg", 0.5, 0.1),
+        FitTarget("mask", "ap_50", 0.9, 1e-6),
+        FitTarget("mask", "ar_100", 0.9, 0.1),
     ]
     figures = {("maskval", "u_tg"): None, ("mask", "ap_50"): 1.0, ("mask", "ar_100"): 0.75}
     assert miss(targets, figures) == pytest.approx(np.array([-UNREACHED, UNREACHED, -1.5]))

@@ -20,18 +20,17 @@ from cell.layout import Layout
 from experiments.cli import main
 from experiments.commands import compare as compare_module
 from experiments.results.store import SCHEMAS
-from experiments.setup.experiment import ExperimentSpec, Result, make_cycle, run_experiment
+from experiments.setup.experiment import ExperimentResult, ExperimentSpec, kept_cell, make_cycle, run_experiment
 from experiments.setup.methods import METHODS
 from experiments.setup.thresholds import load_thresholds
 from maskval import Pose, mask_from_rle
 from sim.model.parts import load_part
-from sim.networks.ground_truth import TruthBooth
-from sim.runtime import episode as stage_module
-from sim.runtime.sim_cell import bench
+from sim.networks.ground_truth import LatestTruth
+from sim.runtime import episode as episode_module
 from sim.runtime.world import World
 from tests.experiments.command import Told, command
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 PARTS = 2  # per experiment: enough for a second slot of time, and two of them share a picture
 OBJECTS, NAMES, EXPERIMENTS = ("antenna", "handle"), ("maskval", "none", "ensemble-add"), 2
 KEY = ("object", "method", "experiment")
@@ -190,7 +189,7 @@ def test_the_same_command_again_writes_equal_bytes(capsys: pytest.CaptureFixture
     arguments = ("--objects", "antenna", "--methods", "maskval", "--experiments", 2)
     folders = tmp_path / "one", tmp_path / "other"
     for folder in folders:
-        bench.cache_clear()
+        kept_cell.cache_clear()
         assert compared(capsys, folder, *arguments).code == 0
     names = ["table.json", *(f"{name}.parquet" for name in SCHEMAS)]
     one, other = ({name: (folder / name).read_bytes() for name in names} for folder in folders)
@@ -209,7 +208,7 @@ def test_more_workers_and_another_order_of_objects_and_methods_change_no_row(
 def test_an_experiment_run_alone_has_the_rows_that_it_has_among_others(
     capsys: pytest.CaptureFixture[str], tmp_path: Path, whole: Path
 ) -> None:
-    bench.cache_clear()
+    kept_cell.cache_clear()
     of: dict[str, object] = {"object": "handle", "method": "ensemble-add", "experiment": 1}
     arguments = [text for name, value in of.items() for text in (f"--{name}", value)]
     told = command(capsys, "run", *arguments, "--parts", PARTS, "--seed", 5, "--out", tmp_path)
@@ -220,15 +219,15 @@ def test_an_experiment_run_alone_has_the_rows_that_it_has_among_others(
 
 def beginning(spec: ExperimentSpec) -> list[float]:
     """Where all parts lie when the experiment begins, and where the arm is."""
-    make_cycle(spec, load_part(spec.part), TruthBooth(), lambda _: None)
-    world = bench(*spec.cell).world
+    make_cycle(spec, load_part(spec.part), LatestTruth(), lambda _: None)
+    world = kept_cell(*spec.cell).world
     qpos: list[float] = world.data.qpos.tolist()
     assert len(qpos) == 6 + 2 + 7 * PARTS
     return qpos
 
 
 def test_every_method_begins_with_the_same_parts_in_the_same_poses() -> None:
-    bench.cache_clear()
+    kept_cell.cache_clear()
     first = beginning(spec("none", experiment=1))
     run_experiment(spec("none", experiment=0))  # what happened before leaves no trace
     assert [beginning(spec(method, experiment=1)) for method in NAMES] == 3 * [first]
@@ -259,17 +258,17 @@ class Bad:
 
 def broken(monkeypatch: pytest.MonkeyPatch, experiment: int, which: str, answer: Callable[[Frame], Any]) -> None:
     """From now on, this experiment's detector or first network answers so."""
-    make = stage_module.make_estimators
+    make = episode_module.make_estimators
 
-    def make_bad(kind: Any, booth: Any, part: Any, noise: Any, streams: Any) -> Any:
-        detector, networks = make(kind, booth, part, noise, streams)
+    def make_bad(kind: Any, latest_truth: Any, part: Any, noise: Any, streams: Any) -> Any:
+        detector, networks = make(kind, latest_truth, part, noise, streams)
         if streams.experiment != experiment:
             return detector, networks
         if which == "detector":
             return Bad(detector, answer), networks
         return detector, (Bad(networks[0], answer), networks[1])
 
-    monkeypatch.setattr(stage_module, "make_estimators", make_bad)
+    monkeypatch.setattr(episode_module, "make_estimators", make_bad)
 
 
 def fail(_: Frame) -> None:
@@ -392,9 +391,9 @@ def test_a_part_without_room_on_the_belt_fails_its_experiment(monkeypatch: pytes
 
 def ending(monkeypatch: pytest.MonkeyPatch, after: int, error: BaseException) -> None:
     """From now on, compare's experiments end with this error after so many."""
-    finished: list[Result] = []
+    finished: list[ExperimentResult] = []
 
-    def run(spec: ExperimentSpec) -> Result:
+    def run(spec: ExperimentSpec) -> ExperimentResult:
         if len(finished) == after:
             raise error
         finished.append(run_experiment(spec))

@@ -4,12 +4,14 @@ from dataclasses import replace
 
 import pytest
 
-from experiments.setup.experiment import ExperimentSpec, Result, run_experiment
+from experiments.setup.experiment import ExperimentResult, ExperimentSpec, run_experiment
 from experiments.setup.thresholds import load_thresholds
 from sim.model.conditions import Conditions
 
 
-def result(parts: int = 1, part: str = "antenna", experiment: int = 0, speed: str = "fast", **knobs: object) -> Result:
+def result(
+    parts: int = 1, part: str = "antenna", experiment: int = 0, speed: str = "fast", **knobs: object
+) -> ExperimentResult:
     spec = ExperimentSpec(part, "none", "oracle", load_thresholds("paper"), speed, parts, 5, experiment)
     return run_experiment(replace(spec, conditions=Conditions(**knobs)))
 

@@ -8,7 +8,7 @@ from experiments.dataset.bootstrap import draw_weights, resample
 from experiments.dataset.metrics import ERRORS_M, area, chosen, curves, evaluations, figures, least_error_threshold
 from experiments.dataset.rules import ALTERNATIVES, Rules
 from maskval import Evaluation, paper_threshold, recall_curve, spearman
-from sim.instance_ids import NOTHING
+from sim.instance_ids import NO_INSTANCE
 
 METHODS = ("maskval", "ensemble-add", "oracle-mdd", "random")
 RULES = {"the defaults": Rules(), **ALTERNATIVES}
@@ -19,10 +19,10 @@ def judged(images: int = 60, seed: int = 0) -> Judged:
     rng = np.random.default_rng(seed)
     parts = rng.integers(1, 5, size=images)
     pose_part = [rng.permutation(count)[: rng.integers(count + 1)] for count in parts]
-    pose_part = [np.append(part, NOTHING) if rng.uniform() < 0.1 else part for part in pose_part]
+    pose_part = [np.append(part, NO_INSTANCE) if rng.uniform() < 0.1 else part for part in pose_part]
     poses = np.array([len(part) for part in pose_part])
     flat = np.concatenate(pose_part)
-    mdd_m = np.where(flat == NOTHING, np.inf, rng.lognormal(-5.2, 0.8, size=len(flat)))
+    mdd_m = np.where(flat == NO_INSTANCE, np.inf, rng.lognormal(-5.2, 0.8, size=len(flat)))
     vague = np.minimum(mdd_m, 0.1) * rng.lognormal(0.0, 0.7, size=len(flat))
     u = np.round(np.minimum(1.0, vague / 0.05), 2)
     visibility = rng.uniform(0.5, 1.0, size=parts.sum())
@@ -137,7 +137,7 @@ def test_a_part_found_twice_belongs_to_the_better_pose() -> None:
     two = np.array([0.3, 0.4])
     twice = replace(twice, disagreement_m=two, u={"maskval": two})
     evaluation = evaluations(twice, Rules())["maskval"]
-    assert evaluation.pose_part.tolist() == [NOTHING, 0]
+    assert evaluation.pose_part.tolist() == [NO_INSTANCE, 0]
     assert evaluation.errors_m.tolist() == [np.inf, 0.01]
 
 

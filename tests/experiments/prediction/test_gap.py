@@ -3,7 +3,7 @@ import json
 import numpy as np
 import pytest
 
-from cell.records import Count
+from cell.records import Tally
 from experiments.errors import UsageError
 from experiments.prediction.gap import Gap, load_gaps
 from experiments.prediction.gap_fit import CORE_SCALES, OUTLIER_ODDS, design, fit_gap
@@ -11,8 +11,8 @@ from experiments.prediction.worlds import load_ensemble, world
 from sim.networks.noise_model import load_noise
 
 
-def count(tp: int, fp: int, fn: int) -> Count:
-    return Count(parts=8, tp=tp, fp=fp, fn=fn, void=0, unreachable=0, timeouts=8 - tp - fp, duration=100.0)
+def count(tp: int, fp: int, fn: int) -> Tally:
+    return Tally(parts=8, tp=tp, fp=fp, fn=fn, void=0, unreachable=0, timeouts=8 - tp - fp, duration=100.0)
 
 
 def test_a_gap_scales_the_core_and_multiplies_the_odds() -> None:
@@ -82,7 +82,7 @@ def test_draws_of_a_gap_file_are_read_back(tmp_path) -> None:
     assert load_gaps("handle", str(path)) == [Gap(1.5, 9.0)]
 
 
-def grid(rate) -> list[list[Count]]:
+def grid(rate) -> list[list[Tally]]:
     """Twenty experiments of 8 parts per gap whose expected AP and AR are rate(gap)."""
     rng = np.random.default_rng(1)
     rows = []

@@ -3,7 +3,7 @@ from concurrent.futures.process import BrokenProcessPool
 
 import pytest
 
-from cell.records import Count
+from cell.records import Tally
 from experiments.cli import main
 from experiments.prediction.cells import Rate, agreement, predict_cell
 from experiments.prediction.variants import VARIANTS
@@ -11,8 +11,8 @@ from experiments.prediction.worlds import Setting
 from experiments.setup.thresholds import load_thresholds
 
 
-def count(tp: int, fp: int, fn: int) -> Count:
-    return Count(parts=8, tp=tp, fp=fp, fn=fn, void=0, unreachable=0, timeouts=8 - tp - fp, duration=100.0)
+def count(tp: int, fp: int, fn: int) -> Tally:
+    return Tally(parts=8, tp=tp, fp=fp, fn=fn, void=0, unreachable=0, timeouts=8 - tp - fp, duration=100.0)
 
 
 def test_a_cell_without_variance_predicts_its_rate_and_nothing_else() -> None:

@@ -206,7 +206,7 @@ def test_targets_are_the_parts_of_which_a_tenth_is_visible(rendered: Rendered) -
 
 def test_uq_trusts_the_true_poses_of_the_dataset(rendered: Rendered, capsys: pytest.CaptureFixture[str]) -> None:
     parts = [part for part in rendered.parts() if part[3].visib_fract > 0.98]
-    results = [bop.Result(0, im, 1, 1.0, truth.X_CO, 0.1) for im, _, truth, _ in parts]
+    results = [bop.PoseResult(0, im, 1, 1.0, truth.X_CO, 0.1) for im, _, truth, _ in parts]
     assert len(results) >= 3
     path = rendered.folder.parent / "results.csv"
     bop.write_results(path, results)

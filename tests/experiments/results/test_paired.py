@@ -2,19 +2,19 @@ from dataclasses import replace
 
 import pytest
 
-from cell.records import Count
+from cell.records import Tally
 from experiments.commands.compare import make_pairs
 from experiments.commands.config import Compare
 from experiments.results.paired import Paired, format_paired, pair
-from experiments.setup.actors import Parties
-from experiments.setup.experiment import Result
+from experiments.setup.actors import Actors
+from experiments.setup.experiment import ExperimentResult
 
 
-def count(tp: int, fp: int) -> Count:
-    return Count(parts=8, tp=tp, fp=fp, fn=8 - tp, void=0, unreachable=0, timeouts=8 - tp - fp, duration=100.0)
+def count(tp: int, fp: int) -> Tally:
+    return Tally(parts=8, tp=tp, fp=fp, fn=8 - tp, void=0, unreachable=0, timeouts=8 - tp - fp, duration=100.0)
 
 
-def singles(*counts: Count | None) -> list[list[Count | None]]:
+def singles(*counts: Tally | None) -> list[list[Tally | None]]:
     return [[one] for one in counts]
 
 
@@ -80,13 +80,15 @@ def test_the_lines_hold_both_intervals() -> None:
 
 def test_experiments_of_compare_with_one_error_model_are_a_group() -> None:
     config = Compare(
-        objects=("handle",), methods=("none", "maskval"), experiments=21, parties=Parties(gap="fitted"), jobs=1
+        objects=("handle",), methods=("none", "maskval"), experiments=21, actors=Actors(gap="fitted"), jobs=1
     )
     specs = config.specs()
     assert specs[20].noise == specs[0].noise  # the worlds begin anew
     # "none" places 4 more in the experiments 0 and 20 and as many in the others: world 0 counts once, so 4 / 20.
     more = {("none", 0): 4, ("none", 20): 4}
-    results = [Result(spec, count(2 + more.get((spec.method, spec.experiment), 0), 0), None, {}) for spec in specs]
+    results = [
+        ExperimentResult(spec, count(2 + more.get((spec.method, spec.experiment), 0), 0), None, {}) for spec in specs
+    ]
     (row,) = make_pairs(specs, results)
     assert (row.experiments, row.placed) == (21, pytest.approx(4 / 20))
     plain = [replace(spec, noise=()) for spec in specs]

@@ -28,7 +28,7 @@ def test_a_manifest_is_json_and_holds_the_whole_configuration(tmp_path: Path) ->
         "experiments": 5,
         "parts": 8,
         "seed": 11,
-        "parties": {"estimator": "noisy", "recorded": None, "gap": "none", "policy": None, "time_limit": 300.0},
+        "actors": {"estimator": "noisy", "recorded": None, "gap": "none", "policy": None, "time_limit": 300.0},
         "thresholds": "derived",
         "u_grasp": [],
         "speed": "ur-default",

@@ -127,7 +127,7 @@ def test_an_error_before_the_first_row_leaves_earlier_logs_untouched(tmp_path: P
 
 
 def test_the_page_about_the_logs_names_every_column_with_its_meaning() -> None:
-    page = (Path(__file__).parents[2] / "docs" / "logs.md").read_text(encoding="utf-8")
+    page = (Path(__file__).parents[3] / "docs" / "logs.md").read_text(encoding="utf-8")
     rows = [(field.name, field.metadata[b"meaning"].decode()) for schema in SCHEMAS.values() for field in schema]
     assert len(rows) > 60
     for name, meaning in rows:

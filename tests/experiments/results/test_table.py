@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from cell.records import Count
+from cell.records import Tally
 from experiments.results.provenance import write_json
 from experiments.results.table import Cell, make_cell
 
@@ -15,8 +15,8 @@ KEYS = [
 ]
 
 
-def count(tp: int = 0, fp: int = 0, fn: int = 0, void: int = 0, parts: int = 8, duration: float = 100.0) -> Count:
-    return Count(
+def count(tp: int = 0, fp: int = 0, fn: int = 0, void: int = 0, parts: int = 8, duration: float = 100.0) -> Tally:
+    return Tally(
         parts=parts,
         tp=tp,
         fp=fp,
@@ -28,7 +28,7 @@ def count(tp: int = 0, fp: int = 0, fn: int = 0, void: int = 0, parts: int = 8, 
     )
 
 
-def cell(*counts: Count | None) -> Cell:
+def cell(*counts: Tally | None) -> Cell:
     return make_cell("antenna", "maskval", counts)
 
 

@@ -12,7 +12,7 @@ from experiments.setup.experiment import ExperimentSpec, run_experiment
 from experiments.setup.methods import known_method
 from experiments.setup.policies import make_policy
 from experiments.setup.thresholds import load_thresholds
-from policies import POLICIES, Fuse, Patient, Threshold
+from policies import POLICIES, Fuse, Patient, ThresholdPolicy
 from sim.model.parts import load_part
 from tests.experiments.command import Told, command
 from tests.experiments.own import folder_with
@@ -213,10 +213,10 @@ def test_a_policy_is_made_anew_for_every_experiment_and_the_methods_own_is_the_d
     made = [make_policy("patient", method, setup.part, setup.layout, thresholds.refine) for _ in range(2)]
     assert all(isinstance(policy, Patient) for policy in made)
     assert made[0] is not made[1]
-    assert make_policy(None, method, setup.part, setup.layout, 0.6) == Threshold(0.55, 0.6)
-    assert make_policy("threshold", method, setup.part, setup.layout, 0.9) == Threshold(0.55, 0.6)
+    assert make_policy(None, method, setup.part, setup.layout, 0.6) == ThresholdPolicy(0.55, 0.6)
+    assert make_policy("threshold", method, setup.part, setup.layout, 0.9) == ThresholdPolicy(0.55, 0.6)
     unsure = known_method("none", handle, thresholds)
-    assert make_policy("threshold", unsure, setup.part, setup.layout, 0.9) == Threshold(0.0, 0.9)
+    assert make_policy("threshold", unsure, setup.part, setup.layout, 0.9) == ThresholdPolicy(0.0, 0.9)
 
 
 @pytest.mark.parametrize("name", POLICIES)

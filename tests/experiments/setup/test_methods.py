@@ -9,8 +9,8 @@ from experiments.errors import UsageError
 from experiments.setup.methods import METHODS, Context, Method, make_method, make_uncertainty, named_methods
 from experiments.setup.thresholds import Thresholds, load_thresholds
 from maskval import Ensemble, Estimates, MaskVal, Needs, NoUncertainty, Pose, TemporalConsistency, needs_of
-from policies import Always, Threshold
-from sim.networks.ground_truth import FrameTruth, TruthBooth
+from policies import Always, ThresholdPolicy
+from sim.networks.ground_truth import FrameTruth, LatestTruth
 from sim.networks.random_streams import Streams
 from tests.fakes import brick, small_layout
 
@@ -18,7 +18,7 @@ PAPER = load_thresholds("paper")
 
 
 def context(part: str, thresholds: Thresholds = PAPER, experiment: int = 0) -> Context:
-    return Context(replace(brick(), name=part), thresholds, Streams(0, experiment, part), TruthBooth())
+    return Context(replace(brick(), name=part), thresholds, Streams(0, experiment, part), LatestTruth())
 
 
 def made(name: str, part: str, thresholds: Thresholds = PAPER) -> Method:
@@ -35,21 +35,21 @@ def test_none_grasps_whatever_is_seen_and_needs_no_threshold() -> None:
 def test_maskval_decides_with_the_two_thresholds_of_its_object() -> None:
     method = made("maskval", "handle")
     assert isinstance(method.uncertainty, MaskVal)
-    assert method.policy == Threshold(u_grasp=0.55, u_refine=0.6)
+    assert method.policy == ThresholdPolicy(u_grasp=0.55, u_refine=0.6)
 
 
 def test_ensemble_add_decides_with_its_thresholds_on_a_scale_that_begins_at_its_minimum() -> None:
     method = made("ensemble-add", "antenna", replace(PAPER, ensemble_add_minimum={"antenna": 0.003}))
     assert method.uncertainty == Ensemble("add", minimum=0.003)
-    assert method.policy == Threshold(u_grasp=0.10, u_refine=0.6)
+    assert method.policy == ThresholdPolicy(u_grasp=0.10, u_refine=0.6)
 
 
 def test_temporal_brings_its_threshold_along_and_a_derived_or_a_told_one_goes_before_it() -> None:
-    assert made("temporal", "antenna").policy == Threshold(u_grasp=0.3, u_refine=0.6)
+    assert made("temporal", "antenna").policy == ThresholdPolicy(u_grasp=0.3, u_refine=0.6)
     derived = replace(PAPER, grasp={"antenna": {"temporal": 0.2}})
-    assert made("temporal", "antenna", derived).policy == Threshold(u_grasp=0.2, u_refine=0.6)
+    assert made("temporal", "antenna", derived).policy == ThresholdPolicy(u_grasp=0.2, u_refine=0.6)
     told = derived.with_told(["temporal=0.1"], ["temporal"])
-    assert made("temporal", "antenna", told).policy == Threshold(u_grasp=0.1, u_refine=0.6)
+    assert made("temporal", "antenna", told).policy == ThresholdPolicy(u_grasp=0.1, u_refine=0.6)
 
 
 def test_every_method_judges_estimates_and_says_what_it_needs() -> None:
@@ -71,7 +71,7 @@ def test_every_method_judges_estimates_and_says_what_it_needs() -> None:
     needs = {}
     for name in METHODS:
         of = context("antenna")
-        of.booth.keep(FrameTruth(0, np.where(mask, 0, -1).astype(np.int8), (pose,), layout.camera))
+        of.latest_truth.keep(FrameTruth(0, np.where(mask, 0, -1).astype(np.int8), (pose,), layout.camera))
         method = make_uncertainty(name, of)
         u = method(estimates)
         assert u.shape == (1,)
@@ -133,9 +133,9 @@ def own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 def test_a_class_of_ones_own_is_a_method_by_its_name() -> None:
     method = made("own_methods:Own", "antenna")
     assert needs_of(method.uncertainty) == Needs(estimators=2)
-    assert method.policy == Threshold(u_grasp=0.4, u_refine=0.6)
+    assert method.policy == ThresholdPolicy(u_grasp=0.4, u_refine=0.6)
     derived = replace(PAPER, grasp={"antenna": {"own_methods:Own": 0.2}})
-    assert made("own_methods:Own", "antenna", derived).policy == Threshold(u_grasp=0.2, u_refine=0.6)
+    assert made("own_methods:Own", "antenna", derived).policy == ThresholdPolicy(u_grasp=0.2, u_refine=0.6)
 
 
 @pytest.mark.usefixtures("own")

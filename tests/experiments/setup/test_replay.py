@@ -62,12 +62,14 @@ def write_bop(folder: Path, log: Path) -> None:
     bop.write_detections(
         folder / "masks.json",
         [
-            bop.Detection(0, row["frame"], 1, row["score"], tuple(row["mask_rle"]), camera.height, camera.width, 0.25)
+            bop.DetectionResult(
+                0, row["frame"], 1, row["score"], tuple(row["mask_rle"]), camera.height, camera.width, 0.25
+            )
             for row in estimates
         ],
     )
     for file, column in (("poses.csv", "X_CO_est"), ("poses_2.csv", "X_CO_est_2")):
-        results = [bop.Result(0, row["frame"], 1, row["score"], pose(row[column]), 0.2) for row in estimates]
+        results = [bop.PoseResult(0, row["frame"], 1, row["score"], pose(row[column]), 0.2) for row in estimates]
         bop.write_results(folder / file, results)
 
 

@@ -18,7 +18,7 @@ def assert_same_pose(X_AB: Pose, X_AB_expected: Pose) -> None:
 
 
 def test_results_survive_their_file(tmp_path) -> None:
-    results = [bop.Result(2, i, 5, 0.25 * i, X_CO, 0.5) for i, X_CO in enumerate(POSES)]
+    results = [bop.PoseResult(2, i, 5, 0.25 * i, X_CO, 0.5) for i, X_CO in enumerate(POSES)]
     bop.write_results(tmp_path / "ours_lm-test.csv", results)
     found = bop.read_results(tmp_path / "ours_lm-test.csv")
     assert [(r.scene_id, r.im_id, r.obj_id, r.score, r.time_s) for r in found] == [
@@ -31,7 +31,7 @@ def test_results_survive_their_file(tmp_path) -> None:
 def test_a_results_file_is_in_millimetres_with_nine_numbers_row_by_row(tmp_path) -> None:
     path = tmp_path / "results.csv"
     X_CO = Pose(np.array([[0.0, -1, 0], [1, 0, 0], [0, 0, 1]]), np.array([0.1, -0.25, 0.5]))
-    bop.write_results(path, [bop.Result(1, 3, 7, 0.5, X_CO)])
+    bop.write_results(path, [bop.PoseResult(1, 3, 7, 0.5, X_CO)])
     assert path.read_text().splitlines() == [
         "scene_id,im_id,obj_id,score,R,t,time",
         "1,3,7,0.5,0.0 -1.0 0.0 1.0 0.0 0.0 0.0 0.0 1.0,100.0 -250.0 500.0,-1.0",
@@ -67,7 +67,7 @@ def test_scene_files_survive(tmp_path) -> None:
     assert (read[0].depth_scale, read[7].depth_scale, read[7].X_CW) == (0.1, 1.0, None)
     assert_same_pose(read[0].X_CW, POSES[2])
 
-    targets = [bop.Target(1, 2, 3, 4), bop.Target(1, 5, 3, 1)]
+    targets = [bop.EvaluationTarget(1, 2, 3, 4), bop.EvaluationTarget(1, 5, 3, 1)]
     bop.write_targets(tmp_path / "test_targets_bop19.json", targets)
     assert bop.read_targets(tmp_path / "test_targets_bop19.json") == targets
 

@@ -53,7 +53,7 @@ def test_evaluated_poses_have_the_errors_that_they_were_made_with(small) -> None
 
 def test_what_is_no_target_is_judged_but_not_counted(small, tmp_path) -> None:
     dataset, results, source = small
-    bop.write_targets(tmp_path / "test_targets_bop19.json", [bop.Target(SCENE, 3, STAR, 1)])
+    bop.write_targets(tmp_path / "test_targets_bop19.json", [bop.EvaluationTarget(SCENE, 3, STAR, 1)])
     judged = bop.judge_results(dataset, results, source)
     evaluation = bop.evaluate_poses(dataset, judged)
     assert (len(judged), len(evaluation.u), len(evaluation.part_image)) == (2 * IMAGES, 1, 1)
@@ -63,7 +63,7 @@ def test_what_is_no_target_is_judged_but_not_counted(small, tmp_path) -> None:
 
 def test_a_pose_without_a_mask_is_unmatched_and_one_without_a_part_is_a_false_detection(small) -> None:
     dataset, results, source = small
-    again = bop.Result(SCENE, 0, CUBE, 0.1, Pose.from_translation((0.2, 0, 0)) @ X_CUBE)
+    again = bop.PoseResult(SCENE, 0, CUBE, 0.1, Pose.from_translation((0.2, 0, 0)) @ X_CUBE)
     judged = bop.judge_results(dataset, [*results, again], source)
     assert (judged[-1].mask, judged[-1].c, judged[-1].u) == (UNMATCHED, 0.0, 1.0)
     evaluation = bop.evaluate_poses(dataset, judged)
@@ -139,6 +139,6 @@ def test_a_data_set_without_models_or_scenes_is_refused(tmp_path) -> None:
         bop.Dataset(tmp_path, "val")
     (tmp_path / "models" / "models_info.json").write_text("{}")
     dataset = bop.Dataset(tmp_path)
-    judged = [bop.JudgedPose(bop.Result(SCENE, 0, CUBE, 1.0, X_CUBE), 0, 1.0, 1.0, 0.0)]
+    judged = [bop.JudgedPose(bop.PoseResult(SCENE, 0, CUBE, 1.0, X_CUBE), 0, 1.0, 1.0, 0.0)]
     with pytest.raises(InvalidFileError, match=r"models_info.json: expected the object 1, but found \[\]"):
         bop.evaluate_poses(dataset, judged)

@@ -295,7 +295,7 @@ def test_bad_arguments_are_refused(options, masks, error, words) -> None:
 
 def test_importing_maskval_does_not_import_numba() -> None:
     code = "import sys, maskval; sys.exit('numba' in sys.modules)"
-    root = str(Path(__file__).parents[2])
+    root = str(Path(__file__).parents[3])
     assert (
         subprocess.run([sys.executable, "-c", code], env={**os.environ, "PYTHONPATH": root}, check=False).returncode
         == 0

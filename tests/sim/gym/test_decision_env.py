@@ -12,7 +12,7 @@ from cell.interfaces import Outcome
 from experiments.setup.experiment import ExperimentSpec, run_experiment
 from experiments.setup.thresholds import load_thresholds
 from maskval import METHODS, Estimates, MaskVal, Needs, NoUncertainty, Pose
-from policies import Threshold
+from policies import ThresholdPolicy
 from sim.errors import DivergenceError, EnvOptionError, GraphicsError, NoiseFileError
 from sim.gym.decision_env import SEARCH, GraspCellEnv
 from sim.gym.options import EnvOptions, Rewards
@@ -90,7 +90,7 @@ def test_stable_baselines3_finds_nothing_to_complain_about() -> None:
 
 def test_deciding_like_the_policy_gives_the_experiment_that_compare_runs(env: GraspCellEnv) -> None:
     thresholds = load_thresholds("paper")
-    policy = Threshold(thresholds.of("antenna", "maskval"), thresholds.refine)
+    policy = ThresholdPolicy(thresholds.of("antenna", "maskval"), thresholds.refine)
     for experiment in range(2):
         spec = ExperimentSpec("antenna", "maskval", "noisy", thresholds, "ur-default", 2, SEED, experiment)
         expected = run_experiment(spec).count

@@ -8,11 +8,11 @@ from experiments.rendering.config import Style
 from maskval import Pose
 from sim.images import pictures
 from sim.images.heap import drop
-from sim.images.photo_renderer import DressedBody, Photograph
+from sim.images.photo_renderer import Photograph, SurfacedBody
 from sim.images.pictures import HEAP, STYLES, LabelledPicture, expose, paste
 from sim.images.test_images import Recipe, make_image
 from sim.images.textures import background, texture
-from sim.instance_ids import NOTHING
+from sim.instance_ids import NO_INSTANCE
 from sim.model.parts import PartModel
 from sim.networks.random_streams import Streams
 
@@ -34,12 +34,12 @@ def test_a_pasted_picture_shows_what_make_image_scatters(pasted: LabelledPicture
     for X, expected in zip(pasted.truth.X_CO_true, truth.X_CO_true, strict=True):
         assert np.array_equal(X.matrix, expected.matrix)
     # Two rasterisers: MuJoCo's and maskval's.
-    assert np.mean(pasted.truth.part_numbers != truth.part_numbers) < 1e-3
+    assert np.mean(pasted.truth.instance_ids != truth.instance_ids) < 1e-3
     assert pasted.truth.visibility == pytest.approx(truth.visibility, abs=5e-3)
 
 
 def test_only_bodies_have_depth_in_a_pasted_picture(pasted: LabelledPicture) -> None:
-    on_parts = pasted.truth.part_numbers != NOTHING
+    on_parts = pasted.truth.instance_ids != NO_INSTANCE
     assert (pasted.depth[on_parts] > 0.2).all()
     assert np.mean(pasted.depth == 0) > 0.3
     assert pasted.X_CW is None
@@ -54,7 +54,7 @@ def test_a_heap_picture_has_depth_everywhere_and_parts_above_the_floor(antenna: 
     rays = np.stack(((u - CAMERA.cx) / CAMERA.fx, (v - CAMERA.cy) / CAMERA.fy, np.ones_like(u)), axis=-1)
     points_W = X_WC.apply((rays * picture.depth[..., None]).reshape(-1, 3))
     assert points_W[:, 2].min() > -0.003
-    heights = points_W[(picture.truth.part_numbers != NOTHING).ravel(), 2]
+    heights = points_W[(picture.truth.instance_ids != NO_INSTANCE).ravel(), 2]
     assert len(heights) > 500
     assert heights.max() > 0.01
     floor = np.abs(points_W[:, 2]) < 0.002
@@ -115,7 +115,7 @@ def test_textures_and_backgrounds_are_varied_functions_of_their_generator() -> N
 
 def test_a_part_without_texture_has_its_own_colour(antenna: PartModel) -> None:
     rng = np.random.default_rng(0)
-    plain, any_surface = (pictures.Dresser(antenna, share, rng) for share in (0.0, 1.0))
+    plain, any_surface = (pictures.SurfaceSampler(antenna, share, rng) for share in (0.0, 1.0))
     own = np.array([plain.part().picture.mean(axis=(0, 1)) for _ in range(20)])
     assert own.max() < 255 * 0.08 * 2.0 * 1.1 + 1
     assert np.ptp([any_surface.part().picture.mean() for _ in range(20)]) > 50
@@ -124,7 +124,7 @@ def test_a_part_without_texture_has_its_own_colour(antenna: PartModel) -> None:
 def test_a_picture_is_a_function_of_its_streams(antenna: PartModel, monkeypatch: pytest.MonkeyPatch) -> None:
     seen: list[Pose] = []
 
-    def note(bodies: list[DressedBody], *_: object) -> Photograph:
+    def note(bodies: list[SurfacedBody], *_: object) -> Photograph:
         seen.append(bodies[0].X_CO)
         raise InterruptedError
 

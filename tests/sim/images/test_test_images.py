@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from maskval import Camera, Mesh, Pose, mdd
 from sim.images.test_image_estimates import ImageEstimates, estimate_image
 from sim.images.test_images import ImageTruth, Recipe, clutter_shapes, draw_nearest, make_image
-from sim.instance_ids import NOTHING
+from sim.instance_ids import NO_INSTANCE
 from sim.model.parts import PartModel
 from sim.networks.noise_model import PartNoise
 from sim.networks.random_streams import Streams
@@ -38,7 +38,7 @@ def nearest_bodies(bodies: list[tuple[Mesh, Pose]], camera: Camera, margin: int)
     """Independent of the kernel: the body that a ray through each pixel meets first, by Möller and Trumbore."""
     v, u = np.mgrid[-margin : camera.height + margin, -margin : camera.width + margin] + 0.5
     rays = np.stack(((u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy, np.ones_like(u)), axis=-1)
-    nearest, body = np.full(u.shape, np.inf), np.full(u.shape, NOTHING)
+    nearest, body = np.full(u.shape, np.inf), np.full(u.shape, NO_INSTANCE)
     for number, (mesh, X_CO) in enumerate(bodies):
         for a, b, c in X_CO.apply(mesh.vertices)[mesh.faces]:
             normal = np.cross(b - a, c - a)
@@ -54,10 +54,10 @@ def nearest_bodies(bodies: list[tuple[Mesh, Pose]], camera: Camera, margin: int)
 def test_an_image_is_a_function_of_seed_number_and_kind(antenna: PartModel) -> None:
     mesh = antenna.part.mesh
     one, same = image(mesh, 7), image(mesh, 7)
-    assert np.array_equal(one.part_numbers, same.part_numbers)
+    assert np.array_equal(one.instance_ids, same.instance_ids)
     assert all(np.array_equal(a.matrix, b.matrix) for a, b in zip(one.X_CO_true, same.X_CO_true, strict=True))
     for other in (image(mesh, 8), image(mesh, 7, seed=4), image(mesh, 7, kind="handle")):
-        assert not np.array_equal(one.part_numbers, other.part_numbers)
+        assert not np.array_equal(one.instance_ids, other.instance_ids)
 
 
 def test_images_keep_to_the_recipe(antenna: PartModel) -> None:
@@ -77,9 +77,9 @@ def test_numbers_and_visibilities_are_those_of_rays(handle: PartModel) -> None:
     bodies = [(mesh, X_CO) for X_CO in truth.X_CO_true]
     inside = (slice(margin, -margin), slice(margin, -margin))
     seen = nearest_bodies(bodies, SMALL, margin)[inside]
-    assert np.count_nonzero(seen != truth.part_numbers) <= 2  # pixels whose ray meets an edge
+    assert np.count_nonzero(seen != truth.instance_ids) <= 2  # pixels whose ray meets an edge
     for part, body in enumerate(bodies):
-        alone = nearest_bodies([body], SMALL, margin) != NOTHING
+        alone = nearest_bodies([body], SMALL, margin) != NO_INSTANCE
         whole = np.count_nonzero(alone)
         assert truth.visibility[part] == pytest.approx(np.count_nonzero(seen == part) / whole, abs=2 / whole)
         assert truth.in_view[part] == pytest.approx(np.count_nonzero(alone[inside]) / whole, abs=2 / whole)
@@ -92,13 +92,13 @@ def test_the_nearer_body_is_seen_in_any_order_and_clutter_is_no_part() -> None:
     numbers, depth = draw_nearest([(box, far, 0), (box, near, 1)], CAMERA)
     for same, other in zip((numbers, depth), draw_nearest([(box, near, 1), (box, far, 0)], CAMERA), strict=True):
         assert np.array_equal(same, other)
-    hidden, same = draw_nearest([(box, far, 0), (box, near, NOTHING)], CAMERA)
+    hidden, same = draw_nearest([(box, far, 0), (box, near, NO_INSTANCE)], CAMERA)
     assert np.array_equal(same, depth)
     # The boxes are 50 mm high and upright: their tops are 25 mm nearer than their middles.
     assert depth[numbers == 1].min() == pytest.approx(0.475, abs=1e-6)
     assert depth[numbers == 0].min() == pytest.approx(0.775, abs=1e-6)
-    assert np.array_equal(depth == 0, numbers == NOTHING)
-    assert set(np.unique(numbers)) == {NOTHING, 0, 1}
+    assert np.array_equal(depth == 0, numbers == NO_INSTANCE)
+    assert set(np.unique(numbers)) == {NO_INSTANCE, 0, 1}
     assert np.array_equal(hidden == 0, numbers == 0)
     assert not (hidden == 1).any()
 
@@ -139,4 +139,4 @@ def test_a_false_alarm_gets_a_pose_even_if_it_shows_no_part(antenna: PartModel) 
         assert len(found.detections) == len(found.parts) == len(found.poses[0]) == len(found.poses[1]) == 2
         assert found.parts[0] == 0
         shown.append(found.parts[1])
-    assert shown.count(NOTHING) >= 6
+    assert shown.count(NO_INSTANCE) >= 6

@@ -11,16 +11,16 @@ from cell.interfaces import Outcome, Touch
 from cell.layout import Layout
 from maskval import Pose, silhouette
 from sim.errors import ConditionsError
-from sim.instance_ids import NOTHING, PIXEL_CENTER
+from sim.instance_ids import NO_INSTANCE, PIXEL_CENTER
 from sim.model.clutter import CLEARANCES, DISTRACTOR_CLEARANCE, DISTRACTORS
 from sim.model.conditions import Conditions
 from sim.model.parts import PartModel
 from sim.model.placement import CLEARANCE, convex_outline, gap
-from sim.model.renderer import Camera
-from sim.networks.ground_truth import TruthBooth
+from sim.model.renderer import Renderer
+from sim.networks.ground_truth import LatestTruth
 from sim.networks.random_streams import Streams
+from sim.runtime.episode import starting_poses
 from sim.runtime.referee import SimReferee
-from sim.runtime.sim_cell import starting_poses
 from sim.runtime.station import SimStation
 from sim.runtime.world import World
 from tests.sim.conftest import on_belt, standing
@@ -81,27 +81,27 @@ def put(world: World, antenna: PartModel, over: Pose) -> None:
 def test_a_distractor_hides_a_part_and_is_no_part_itself(antenna: PartModel, cluttered: World) -> None:
     put(cluttered, antenna, Pose.from_translation(np.array([BELT.center_x, 0.4, 0.15])))
     # Hold it over the part: between camera and part there is now a box.
-    joint = cluttered.model.joint("distractor_0").qposadr[0]
+    joint = cluttered.mj_model.joint("distractor_0").qposadr[0]
     cluttered.data.qpos[joint : joint + 3] = [BELT.center_x, 0.4, 0.15]
-    mujoco.mj_forward(cluttered.model, cluttered.data)
-    with contextlib.closing(Camera(cluttered.model, 480, 640)) as camera:
-        numbers = camera.part_numbers(cluttered.data, "wrist")
+    mujoco.mj_forward(cluttered.mj_model, cluttered.data)
+    with contextlib.closing(Renderer(cluttered.mj_model, 480, 640)) as camera:
+        numbers = camera.instance_ids(cluttered.data, "wrist")
     whole = silhouette(antenna.part.mesh, cluttered.X_CO(0), cluttered.layout.camera, pixel_center=PIXEL_CENTER).mask
-    hidden = whole & (numbers == NOTHING)
+    hidden = whole & (numbers == NO_INSTANCE)
     assert hidden.sum() > 0.3 * whole.sum()
     assert numbers.max() < PARTS
 
 
 def test_striking_a_distractor_is_a_collision_with_a_part_and_touches_no_part(
-    antenna: PartModel, cluttered: World, antenna_camera: Camera
+    antenna: PartModel, cluttered: World, antenna_camera: Renderer
 ) -> None:
     put(cluttered, antenna, Pose.from_translation(np.array([BELT.center_x - 0.12, 0.4, BELT.top_z + 0.021])))
-    station = SimStation(cluttered, antenna_camera, TruthBooth())
+    station = SimStation(cluttered, antenna_camera, LatestTruth())
     referee = SimReferee(cluttered, station)
     referee.attempt_begins(0)
     # A box that is suddenly where a finger is.
     finger = cluttered.X_WF() @ cluttered.layout.gripper.X_FT @ Pose.from_translation(np.array([0.0, 0.06, 0.0]))
-    joint = cluttered.model.joint("distractor_0")
+    joint = cluttered.mj_model.joint("distractor_0")
     cluttered.data.qpos[joint.qposadr[0] : joint.qposadr[0] + 3] = finger.translation
     cluttered.data.qvel[joint.dofadr[0]] = 1e-3  # wakes it
     contact = station.wait(0.1, frozenset({Touch.PART}))

@@ -12,15 +12,15 @@ from cell.layout import Belt, Layout
 from maskval import Camera as Pinhole
 from maskval import Pose, silhouette
 from sim.errors import ConditionsError
-from sim.instance_ids import NOTHING, PIXEL_CENTER
+from sim.instance_ids import NO_INSTANCE, PIXEL_CENTER
 from sim.model.conditions import RANGES, UNDISTURBED, Conditions
 from sim.model.parts import PartModel
-from sim.model.renderer import Camera
+from sim.model.renderer import Renderer
 from sim.networks.estimators import make_estimators, middle
-from sim.networks.ground_truth import TruthBooth
+from sim.networks.ground_truth import LatestTruth
 from sim.networks.noise_model import load_noise
 from sim.networks.random_streams import Streams
-from sim.runtime.sim_cell import belt_under, starting_poses
+from sim.runtime.episode import belt_under, starting_poses
 from sim.runtime.station import SimStation
 from sim.runtime.world import World
 from tests.sim.conftest import on_belt, standing
@@ -39,8 +39,8 @@ def world_of(antenna: PartModel, **knobs: object) -> World:
 
 
 @contextmanager
-def camera_of(world: World) -> Iterator[Camera]:
-    camera = Camera(world.model, 480, 640)
+def camera_of(world: World) -> Iterator[Renderer]:
+    camera = Renderer(world.mj_model, 480, 640)
     try:
         yield camera
     finally:
@@ -48,22 +48,24 @@ def camera_of(world: World) -> Iterator[Camera]:
 
 
 def images(world: World) -> Images:
-    """RGB, depth and part numbers."""
+    """RGB, depth and instance ids."""
     with camera_of(world) as camera:
         camera.rgb(world.data, "wrist")
-        return tuple(image(world.data, "wrist").copy() for image in (camera.rgb, camera.depth, camera.part_numbers))
+        return tuple(image(world.data, "wrist").copy() for image in (camera.rgb, camera.depth, camera.instance_ids))
 
 
-def seen_frame(world: World) -> tuple[Frame, TruthBooth]:
-    booth = TruthBooth()
+def seen_frame(world: World) -> tuple[Frame, LatestTruth]:
+    latest_truth = LatestTruth()
     with camera_of(world) as camera:
-        return SimStation(world, camera, booth).take_frame(frozenset()), booth
+        return SimStation(world, camera, latest_truth).take_frame(frozenset()), latest_truth
 
 
 def estimated(world: World, model: PartModel) -> tuple[Frame, Pose]:
     """A frame, and where the exact networks see the antenna: X_CO_est."""
-    frame, booth = seen_frame(world)
-    masks, (network, _) = make_estimators("oracle", booth, model.part, load_noise("antenna"), Streams(0, 0, "antenna"))
+    frame, latest_truth = seen_frame(world)
+    masks, (network, _) = make_estimators(
+        "oracle", latest_truth, model.part, load_noise("antenna"), Streams(0, 0, "antenna")
+    )
     (X_CO_est,) = network.estimate(frame, masks.detect(frame))
     return frame, X_CO_est
 
@@ -76,7 +78,7 @@ def undisturbed(antenna: PartModel) -> Images:
 def test_light_scales_the_picture_and_changes_no_depth_or_mask(antenna: PartModel, undisturbed: Images) -> None:
     rgb, depth, numbers = undisturbed
     dim = images(world_of(antenna, light=0.5))
-    belt = (numbers == NOTHING) & (rgb.max(axis=2) < 255)
+    belt = (numbers == NO_INSTANCE) & (rgb.max(axis=2) < 255)
     assert belt.sum() > 100_000
     # OpenGL adds the lights' terms and quantises to 1/255 once: half the light is half the grey level.
     assert np.abs(dim[0][belt] - 0.5 * rgb[belt]).max() <= 1.0
@@ -90,7 +92,7 @@ def test_reflections_show_the_part_mirrored_in_the_belt_and_change_no_depth_or_m
     rgb, depth, numbers = undisturbed
     mirrored = images(world_of(antenna, reflections=0.8))
     changed = np.abs(mirrored[0].astype(int) - rgb).max(axis=2) > 20
-    assert changed[numbers == NOTHING].sum() > 1000
+    assert changed[numbers == NO_INSTANCE].sum() > 1000
     assert np.array_equal(mirrored[1], depth)
     assert np.array_equal(mirrored[2], numbers)
 
@@ -100,7 +102,7 @@ def test_the_picture_is_the_true_cameras(antenna: PartModel) -> None:
     believed = world.layout.camera
     true = Pinhole(believed.fx * 1.03, believed.fy * 1.03, believed.cx + 12.0, believed.cy - 7.0, 640, 480)
     with camera_of(world) as camera:
-        numbers = camera.part_numbers(world.data, "wrist")
+        numbers = camera.instance_ids(world.data, "wrist")
     expected = silhouette(antenna.part.mesh, world.X_CO(0), true, pixel_center=PIXEL_CENTER).mask
     assert expected.sum() > 2000
     assert (expected ^ (numbers == 0)).sum() <= 2
@@ -131,7 +133,7 @@ def test_the_estimate_with_a_wrong_camera_still_fits_the_mask(antenna: PartModel
     frame, X_CO_est = estimated(world, antenna)
     believed = silhouette(antenna.part.mesh, X_CO_est, frame.camera, pixel_center=PIXEL_CENTER).mask
     with camera_of(world) as camera:
-        shown = camera.part_numbers(world.data, "wrist") == 0
+        shown = camera.instance_ids(world.data, "wrist") == 0
     # Perspective inside the part remains: 2 % of distance over its 60 mm of height at 0.6 m is 0.1 px per 50 px.
     assert (believed & shown).sum() / (believed | shown).sum() > 0.97
 
@@ -157,7 +159,7 @@ def wake(world: World) -> None:
 def pushed(world: World, force: float) -> float:
     """How far the part slides in 0.2 s under a horizontal force through its middle, m."""
     before = world.X_WO(0).translation
-    world.data.xfrc_applied[world.model.body("part_0").id, :2] = [0.0, force]
+    world.data.xfrc_applied[world.mj_model.body("part_0").id, :2] = [0.0, force]
     wake(world)
     for _ in range(100):
         world.step()
@@ -174,20 +176,20 @@ def test_friction_scales_the_force_at_which_a_part_begins_to_slide(antenna: Part
 
 def test_mass_scales_weight_and_inertia(antenna: PartModel) -> None:
     light, heavy = (world_of(antenna, **knobs) for knobs in ({}, {"mass": 2.5}))
-    body = light.model.body("part_0").id
-    assert heavy.model.body_mass[body] == pytest.approx(2.5 * antenna.mass)
-    assert heavy.model.body_inertia[body] == pytest.approx(2.5 * light.model.body_inertia[body])
+    body = light.mj_model.body("part_0").id
+    assert heavy.mj_model.body_mass[body] == pytest.approx(2.5 * antenna.mass)
+    assert heavy.mj_model.body_inertia[body] == pytest.approx(2.5 * light.mj_model.body_inertia[body])
     for world, mass in ((light, antenna.mass), (heavy, 2.5 * antenna.mass)):
         wake(world)
         world.step()
-        weight = world.data.qfrc_constraint[world.model.body_dofadr[body] + 2]  # what the belt pushes up with
+        weight = world.data.qfrc_constraint[world.mj_model.body_dofadr[body] + 2]  # what the belt pushes up with
         assert weight == pytest.approx(mass * GRAVITY, rel=0.02)
 
 
 def test_a_picture_arrives_by_the_latency_later_than_it_was_taken(antenna: PartModel) -> None:
     world = world_of(antenna, latency_s=0.7)
     with camera_of(world) as camera:
-        station = SimStation(world, camera, TruthBooth())
+        station = SimStation(world, camera, LatestTruth())
         frame = station.take_frame(frozenset())
     assert frame.time == 0.0
     assert station.time == pytest.approx(0.7)

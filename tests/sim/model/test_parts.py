@@ -157,7 +157,7 @@ def test_a_cube_rests_on_each_of_its_six_sides() -> None:
 
 
 def test_the_documented_part_of_your_own_loads_and_can_be_gripped_however_it_lies(tmp_path: Path) -> None:
-    page = (Path(__file__).parents[2] / "docs" / "cell.md").read_text(encoding="utf-8")
+    page = (Path(__file__).parents[3] / "docs" / "cell.md").read_text(encoding="utf-8")
     (text,) = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)
     model = load_part(brick_file(tmp_path, text))
     assert len(model.resting_poses) == 6

@@ -4,9 +4,9 @@ import pytest
 from cell.layout import Layout
 from maskval import silhouette
 from sim.errors import GraphicsError
-from sim.instance_ids import NOTHING, PIXEL_CENTER
+from sim.instance_ids import NO_INSTANCE, PIXEL_CENTER
 from sim.model.parts import PartModel
-from sim.model.renderer import Camera
+from sim.model.renderer import Renderer
 from sim.runtime.world import World
 from tests.sim.conftest import on_belt, standing
 
@@ -19,8 +19,8 @@ def viewed(antenna_world: World, antenna: PartModel) -> World:
     return antenna_world
 
 
-def test_part_numbers_are_the_silhouettes_of_the_true_poses(viewed: World, antenna_camera: Camera) -> None:
-    numbers = antenna_camera.part_numbers(viewed.data, "wrist")
+def test_part_numbers_are_the_silhouettes_of_the_true_poses(viewed: World, antenna_camera: Renderer) -> None:
+    numbers = antenna_camera.instance_ids(viewed.data, "wrist")
     seen, wrong = 0, 0
     for part in range(2):
         mesh, camera = viewed.part_model.part.mesh, viewed.layout.camera
@@ -32,28 +32,28 @@ def test_part_numbers_are_the_silhouettes_of_the_true_poses(viewed: World, anten
     assert wrong <= 5e-4 * seen
 
 
-def test_pixels_without_a_part_show_nothing(viewed: World, antenna_camera: Camera) -> None:
-    numbers = antenna_camera.part_numbers(viewed.data, "wrist")
-    assert set(np.unique(numbers)) == {NOTHING, 0, 1}
+def test_pixels_without_a_part_show_nothing(viewed: World, antenna_camera: Renderer) -> None:
+    numbers = antenna_camera.instance_ids(viewed.data, "wrist")
+    assert set(np.unique(numbers)) == {NO_INSTANCE, 0, 1}
     assert numbers.shape == (480, 640)
 
 
-def test_depth_is_the_distance_along_the_axis_to_the_belt(viewed: World, antenna_camera: Camera) -> None:
+def test_depth_is_the_distance_along_the_axis_to_the_belt(viewed: World, antenna_camera: Renderer) -> None:
     depth = antenna_camera.depth(viewed.data, "wrist")
     height = viewed.X_WC().translation[2] - viewed.layout.belt.top_z
-    on_the_belt = (antenna_camera.part_numbers(viewed.data, "wrist") == NOTHING)[100:380]
+    on_the_belt = (antenna_camera.instance_ids(viewed.data, "wrist") == NO_INSTANCE)[100:380]
     assert on_the_belt.sum() > 50_000
     assert depth[100:380][on_the_belt] == pytest.approx(height, abs=2e-4)
 
 
-def test_rgb_is_a_picture_and_repeats_bit_for_bit(viewed: World, antenna_camera: Camera) -> None:
+def test_rgb_is_a_picture_and_repeats_bit_for_bit(viewed: World, antenna_camera: Renderer) -> None:
     first = antenna_camera.rgb(viewed.data, "wrist")
     antenna_camera.depth(viewed.data, "wrist")
-    numbers = antenna_camera.part_numbers(viewed.data, "wrist")
+    numbers = antenna_camera.instance_ids(viewed.data, "wrist")
     assert (first.shape, first.dtype) == ((480, 640, 3), np.uint8)
     assert np.array_equal(antenna_camera.rgb(viewed.data, "wrist"), first)
     # The antenna is black, the belt is green.
-    assert first[numbers == 0].mean() < 60 < first[numbers == NOTHING].mean()
+    assert first[numbers == 0].mean() < 60 < first[numbers == NO_INSTANCE].mean()
 
 
 def test_without_opengl_the_error_names_the_packages(antenna_world: World, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -62,10 +62,10 @@ def test_without_opengl_the_error_names_the_packages(antenna_world: World, monke
 
     monkeypatch.setattr("sim.model.renderer.mujoco.Renderer", broken)
     with pytest.raises(GraphicsError, match="apt-get install libegl1 libgl1 libosmesa6"):
-        Camera(antenna_world.model, 480, 640)
+        Renderer(antenna_world.mj_model, 480, 640)
 
 
 def test_the_camera_of_the_layout_is_the_camera_of_the_model(antenna_world: World) -> None:
-    model, camera = antenna_world.model, Layout().camera
+    model, camera = antenna_world.mj_model, Layout().camera
     wrist = model.camera("wrist").id
     assert tuple(model.cam_resolution[wrist]) == (camera.width, camera.height)

@@ -16,7 +16,7 @@ from sim.networks.estimators import (
     middle,
     pose_with_mdd,
 )
-from sim.networks.ground_truth import FrameTruth, TruthBooth
+from sim.networks.ground_truth import FrameTruth, LatestTruth
 from sim.networks.noise_model import PartNoise
 from sim.networks.random_streams import Streams
 from tests.round_noise import ROUND
@@ -45,20 +45,20 @@ def posed(x: float, y: float, yaw: float = 0.0, tilt: float = 0.0) -> Pose:
     return Pose.from_translation((x, y, 0.5)) @ turn @ Pose.from_translation(-middle(PART.mesh))
 
 
-def shown(booth: TruthBooth, poses: list[Pose], index: int = 0) -> Frame:
-    """A frame that shows the parts, later ones in front, with its truth in the booth."""
+def shown(latest_truth: LatestTruth, poses: list[Pose], index: int = 0) -> Frame:
+    """A frame that shows the parts, later ones in front, with its truth."""
     numbers = np.full((480, 640), -1, dtype=np.int8)
     for part, X_CO in enumerate(poses):
         numbers[silhouette(PART.mesh, X_CO, CAMERA, pixel_center=0.5).mask] = part
-    booth.keep(FrameTruth(index, numbers, tuple(poses), CAMERA))
+    latest_truth.keep(FrameTruth(index, numbers, tuple(poses), CAMERA))
     return Frame(index, 0.1 * index, CAMERA, Pose.from_rotvec((math.pi, 0, 0), (0.7, 0.1, 0.5)))
 
 
 TWO = [posed(-0.1, 0.0, yaw=0.3), posed(0.1, 0.05, yaw=-1.2)]
 
 
-def noisy(booth: TruthBooth, noise: PartNoise = SURE, streams: Streams = STREAMS):
-    return make_estimators("noisy", booth, PART, noise, streams)
+def noisy(latest_truth: LatestTruth, noise: PartNoise = SURE, streams: Streams = STREAMS):
+    return make_estimators("noisy", latest_truth, PART, noise, streams)
 
 
 def same_poses(ones: list[Pose], others: list[Pose]) -> bool:
@@ -75,38 +75,38 @@ def same_detections(ones: list[Detection], others: list[Detection]) -> bool:
 
 
 def test_the_same_view_has_the_same_errors_bit_for_bit() -> None:
-    booth = TruthBooth()
-    masks, (S1, S2) = noisy(booth)
-    frame = shown(booth, TWO)
+    latest_truth = LatestTruth()
+    masks, (S1, S2) = noisy(latest_truth)
+    frame = shown(latest_truth, TWO)
     found = masks.detect(frame)
     poses = S1.estimate(frame, found), S2.estimate(frame, found)
-    shown_elsewhere = shown(booth, [posed(0.0, 0.1), posed(0.0, -0.1)], index=1)
+    shown_elsewhere = shown(latest_truth, [posed(0.0, 0.1), posed(0.0, -0.1)], index=1)
     S2.estimate(shown_elsewhere, masks.detect(shown_elsewhere))
-    again = shown(booth, TWO, index=2)
+    again = shown(latest_truth, TWO, index=2)
     assert same_detections(masks.detect(again), found)
     assert same_poses(S1.estimate(again, found), poses[0])
     assert same_poses(S2.estimate(again, found), poses[1])
 
 
 def test_no_network_depends_on_who_else_is_asked_or_in_what_order() -> None:
-    booth = TruthBooth()
-    masks, (S1, S2) = noisy(booth)
-    frame = shown(booth, TWO)
+    latest_truth = LatestTruth()
+    masks, (S1, S2) = noisy(latest_truth)
+    frame = shown(latest_truth, TWO)
     second = S2.estimate(frame, masks.detect(frame)[::-1])[::-1]
     first = S1.estimate(frame, masks.detect(frame))
-    alone_masks, (alone, _) = noisy(booth)
+    alone_masks, (alone, _) = noisy(latest_truth)
     assert same_poses(alone.estimate(frame, alone_masks.detect(frame)), first)
     assert not same_poses(second, first)
-    fresh = NoisyPoses(booth, PART, SURE, STREAMS, network=1)
+    fresh = NoisyPoses(latest_truth, PART, SURE, STREAMS, network=1)
     assert same_poses(fresh.estimate(frame, masks.detect(frame)), second)
 
 
 @pytest.mark.parametrize("streams", [Streams(6, 2, "box"), Streams(5, 3, "box"), Streams(5, 2, "bolt")])
 def test_another_seed_experiment_or_kind_has_other_errors(streams) -> None:
-    booth = TruthBooth()
-    frame = shown(booth, TWO)
-    masks, (S1, _) = noisy(booth)
-    other_masks, (other, _) = noisy(booth, streams=streams)
+    latest_truth = LatestTruth()
+    frame = shown(latest_truth, TWO)
+    masks, (S1, _) = noisy(latest_truth)
+    other_masks, (other, _) = noisy(latest_truth, streams=streams)
     assert not same_detections(other_masks.detect(frame), masks.detect(frame))
     assert not same_poses(other.estimate(frame, masks.detect(frame)), S1.estimate(frame, masks.detect(frame)))
 
@@ -114,13 +114,13 @@ def test_another_seed_experiment_or_kind_has_other_errors(streams) -> None:
 def test_another_view_has_a_partly_new_error() -> None:
     # Errors along the ray, of views 30° apart, from 600 experiments: expected .40, off by (1 − .4²) / √600 = .034.
     core = replace(NOISE, pose=replace(NOISE.pose, outlier_probability=0.0, difficulty_gain=0.0))
-    booth = TruthBooth()
+    latest_truth = LatestTruth()
 
     def depth_error(experiment: int, tilt: float) -> float:
         X_CO = posed(0, 0, tilt=tilt)
-        frame = shown(booth, [X_CO])
-        S1 = NoisyPoses(booth, PART, core, Streams(0, experiment, "box"), network=0)
-        X_CO_est = S1.estimate(frame, [Detection(booth.of(frame).mask(0), 1.0)])[0]
+        frame = shown(latest_truth, [X_CO])
+        S1 = NoisyPoses(latest_truth, PART, core, Streams(0, experiment, "box"), network=0)
+        X_CO_est = S1.estimate(frame, [Detection(latest_truth.of(frame).mask(0), 1.0)])[0]
         return float(X_CO_est.apply(middle(PART.mesh))[2] - 0.5)
 
     errors = np.array([[depth_error(n, 0.0), depth_error(n, math.radians(30))] for n in range(600)])
@@ -130,55 +130,55 @@ def test_another_view_has_a_partly_new_error() -> None:
 
 
 def test_noisy_masks_are_near_the_true_ones() -> None:
-    booth = TruthBooth()
-    masks, _ = noisy(booth)
-    frame = shown(booth, TWO)
+    latest_truth = LatestTruth()
+    masks, _ = noisy(latest_truth)
+    frame = shown(latest_truth, TWO)
     found = masks.detect(frame)
     assert len(found) == 2
     for part, detection in enumerate(found):
-        assert 0.85 < mask_iou(detection.mask, booth.of(frame).mask(part)) < 1.0
+        assert 0.85 < mask_iou(detection.mask, latest_truth.of(frame).mask(part)) < 1.0
 
 
 def test_a_hidden_part_is_estimated_worse() -> None:
     # The front part hides about two thirds of the one behind it: exp(1.86 · .66) = 3.4 times the core.
     core = replace(NOISE, pose=replace(NOISE.pose, outlier_probability=0.0))
-    booth = TruthBooth()
-    frame = shown(booth, [posed(0, 0), posed(0.05, 0)])
-    truth = booth.of(frame)
+    latest_truth = LatestTruth()
+    frame = shown(latest_truth, [posed(0, 0), posed(0.05, 0)])
+    truth = latest_truth.of(frame)
     hidden = 1.0 - truth.visibility(0, PART.mesh)
     assert hidden == pytest.approx(2 / 3, abs=0.05)
-    beside = NoisyPoses(booth, PART, core, STREAMS, 0).estimate(frame, [Detection(truth.mask(0), 1.0)])[0]
-    alone_frame = shown(booth, [posed(0, 0)])
-    whole = [Detection(booth.of(alone_frame).mask(0), 1.0)]
-    alone = NoisyPoses(booth, PART, core, STREAMS, 0).estimate(alone_frame, whole)[0]
+    beside = NoisyPoses(latest_truth, PART, core, STREAMS, 0).estimate(frame, [Detection(truth.mask(0), 1.0)])[0]
+    alone_frame = shown(latest_truth, [posed(0, 0)])
+    whole = [Detection(latest_truth.of(alone_frame).mask(0), 1.0)]
+    alone = NoisyPoses(latest_truth, PART, core, STREAMS, 0).estimate(alone_frame, whole)[0]
     turns = [np.linalg.norm((X_CO @ posed(0, 0).inverse()).rotvec) for X_CO in (beside, alone)]
     assert turns[0] / turns[1] == pytest.approx(math.exp(1.86 * hidden), rel=1e-6)
 
 
 def test_oracles_tell_the_truth() -> None:
-    booth = TruthBooth()
-    masks, (S1, S2) = make_estimators("oracle", booth, PART, NOISE, STREAMS)
-    frame = shown(booth, TWO)
+    latest_truth = LatestTruth()
+    masks, (S1, S2) = make_estimators("oracle", latest_truth, PART, NOISE, STREAMS)
+    frame = shown(latest_truth, TWO)
     found = masks.detect(frame)
     assert [detection.score for detection in found] == [1.0, 1.0]
     for part, detection in enumerate(found):
-        np.testing.assert_array_equal(detection.mask, booth.of(frame).mask(part))
+        np.testing.assert_array_equal(detection.mask, latest_truth.of(frame).mask(part))
     assert same_poses(S1.estimate(frame, found[::-1]), TWO[::-1])
     assert same_poses(S2.estimate(frame, found), TWO)
 
 
 @pytest.mark.parametrize("kind", ["oracle", "noisy"])
 def test_inference_times_come_from_the_file_and_no_image_is_asked_for(kind) -> None:
-    masks, poses = make_estimators(kind, TruthBooth(), PART, NOISE, STREAMS)
+    masks, poses = make_estimators(kind, LatestTruth(), PART, NOISE, STREAMS)
     assert (masks.inference_time, [network.inference_time for network in poses]) == (0.25, [0.20, 0.20])
     assert all(estimator.images == frozenset() for estimator in (masks, *poses))
 
 
 def test_a_false_alarm_gets_a_pose_in_its_direction() -> None:
     noise = replace(NOISE, mask=replace(NOISE.mask, false_alarms_per_image=1.0))
-    booth = TruthBooth()
-    masks, networks = noisy(booth, noise)
-    frame = shown(booth, [])
+    latest_truth = LatestTruth()
+    masks, networks = noisy(latest_truth, noise)
+    frame = shown(latest_truth, [])
     found = masks.detect(frame)
     assert len(found) == 1
     v, u = np.argwhere(found[0].mask).mean(axis=0) + 0.5
@@ -191,12 +191,12 @@ def test_a_false_alarm_gets_a_pose_in_its_direction() -> None:
 
 @pytest.mark.parametrize("wanted", [0.001, 0.015, 0.06, 0.1])
 def test_a_wanted_error_is_met_exactly_in_every_frame(wanted) -> None:
-    booth = TruthBooth()
-    network = ErrorPoses(booth, PART, NOISE, STREAMS, wanted_mdd=wanted)
-    masks, _ = make_estimators("oracle", booth, PART, NOISE, STREAMS)
+    latest_truth = LatestTruth()
+    network = ErrorPoses(latest_truth, PART, NOISE, STREAMS, wanted_mdd=wanted)
+    masks, _ = make_estimators("oracle", latest_truth, PART, NOISE, STREAMS)
     seen = []
     for index in range(10):
-        frame = shown(booth, TWO, index)
+        frame = shown(latest_truth, TWO, index)
         poses = network.estimate(frame, masks.detect(frame))
         assert same_poses(poses, network.estimate(frame, masks.detect(frame)))
         for X_CO_est, X_CO_true in zip(poses, TWO, strict=True):
@@ -223,29 +223,32 @@ def test_wanted_errors_have_any_direction_and_any_mixture() -> None:
 
 
 def test_exact_poses_refuse_a_mask_that_shows_no_part() -> None:
-    booth = TruthBooth()
-    frame = shown(booth, TWO, index=7)
+    latest_truth = LatestTruth()
+    frame = shown(latest_truth, TWO, index=7)
     corner = np.zeros((480, 640), dtype=bool)
     corner[:5, :5] = True
-    for exact in (OraclePoses(booth, PART, NOISE), ErrorPoses(booth, PART, NOISE, STREAMS, wanted_mdd=0.01)):
+    for exact in (
+        OraclePoses(latest_truth, PART, NOISE),
+        ErrorPoses(latest_truth, PART, NOISE, STREAMS, wanted_mdd=0.01),
+    ):
         with pytest.raises(LookupError, match="detection 0 of frame 7 shows no part"):
             exact.estimate(frame, [Detection(corner, 1.0)])
 
 
 def test_what_is_no_estimator_is_refused() -> None:
-    booth = TruthBooth()
+    latest_truth = LatestTruth()
     with pytest.raises(ValueError, match="unknown estimator 'perfect': expected oracle or noisy"):
-        make_estimators("perfect", booth, PART, NOISE, STREAMS)  # type: ignore[arg-type]
-    with pytest.raises(ValueError, match=r"network must be 0 \(S1\) or 1 \(S2\), came 2"):
-        NoisyPoses(booth, PART, NOISE, STREAMS, network=2)
-    with pytest.raises(ValueError, match=r"wanted_mdd must be in \[0, 0.1\] m, came 60"):
-        ErrorPoses(booth, PART, NOISE, STREAMS, wanted_mdd=60)
+        make_estimators("perfect", latest_truth, PART, NOISE, STREAMS)  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match=r"network must be 0 \(S1\) or 1 \(S2\), got 2"):
+        NoisyPoses(latest_truth, PART, NOISE, STREAMS, network=2)
+    with pytest.raises(ValueError, match=r"wanted_mdd must be in \[0, 0.1\] m, got 60"):
+        ErrorPoses(latest_truth, PART, NOISE, STREAMS, wanted_mdd=60)
 
 
 def test_an_older_frame_is_refused() -> None:
-    booth = TruthBooth()
-    masks = NoisyMasks(booth, PART, NOISE, STREAMS)
-    old = shown(booth, TWO, index=3)
-    shown(booth, TWO, index=4)
+    latest_truth = LatestTruth()
+    masks = NoisyMasks(latest_truth, PART, NOISE, STREAMS)
+    old = shown(latest_truth, TWO, index=3)
+    shown(latest_truth, TWO, index=4)
     with pytest.raises(LookupError, match="frame 3 is not held any more, only frame 4"):
         masks.detect(old)

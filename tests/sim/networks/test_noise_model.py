@@ -36,18 +36,18 @@ def test_every_parameter_says_unit_meaning_and_source(name) -> None:
     [
         ("depth_ratio = 2.5", "", r"missing key of \[pose\] 'depth_ratio'"),
         ("depth_ratio = 2.5", "ratio = 2.5", r"unknown key of \[pose\] 'ratio': expected .*depth_ratio, "),
-        ("depth_ratio = 2.5", "depth_ratio = '2'", r"pose.depth_ratio: expected a number in \[0, 100\], came '2'"),
-        ("depth_ratio = 2.5", "depth_ratio = true", r"pose.depth_ratio: expected a number .* came True"),
-        ("depth_ratio = 2.5", "depth_ratio = -1", r"pose.depth_ratio: expected a number in \[0, 100\], came -1"),
-        ("depth_ratio = 2.5", "depth_ratio = nan", r"pose.depth_ratio: expected a number .* came nan"),
-        ("depth_ratio = 2.5", "depth_ratio = [2.5]", r"pose.depth_ratio: expected a number .* came \(2.5,\)"),
-        ("flip_share = 0.08", "flip_share = 1.1", r"pose.flip_share: expected a number in \[0, 1\], came 1.1"),
-        ("[0.0, 0.0, 1.0]", "[0, 0, 2]", r"pose.flip_axis: expected three numbers of norm 1, came \(0, 0, 2\)"),
-        ("[0.0, 0.0, 1.0]", "[0, 1]", r"pose.flip_axis: expected three numbers of norm 1, came \(0, 1\)"),
-        ("[0.0, 0.0, 1.0]", "1.0", r"pose.flip_axis: expected three numbers of norm 1, came 1.0"),
-        ("_min = 0.15", "_min = 0.5", r"mask.drop_share_min: expected at most drop_share_max = 0.45, came 0.5"),
-        ("bias_cells = 0.0", "bias_cells = inf", r"mask.bias_cells: expected a number in \[-14, 14\], came inf"),
-        ("pose_s = 0.20", "pose_s = -0.1", r"timing.pose_s: expected a number in \[0, 60\], came -0.1"),
+        ("depth_ratio = 2.5", "depth_ratio = '2'", r"pose.depth_ratio: expected a number in \[0, 100\], got '2'"),
+        ("depth_ratio = 2.5", "depth_ratio = true", r"pose.depth_ratio: expected a number .* got True"),
+        ("depth_ratio = 2.5", "depth_ratio = -1", r"pose.depth_ratio: expected a number in \[0, 100\], got -1"),
+        ("depth_ratio = 2.5", "depth_ratio = nan", r"pose.depth_ratio: expected a number .* got nan"),
+        ("depth_ratio = 2.5", "depth_ratio = [2.5]", r"pose.depth_ratio: expected a number .* got \(2.5,\)"),
+        ("flip_share = 0.08", "flip_share = 1.1", r"pose.flip_share: expected a number in \[0, 1\], got 1.1"),
+        ("[0.0, 0.0, 1.0]", "[0, 0, 2]", r"pose.flip_axis: expected three numbers of norm 1, got \(0, 0, 2\)"),
+        ("[0.0, 0.0, 1.0]", "[0, 1]", r"pose.flip_axis: expected three numbers of norm 1, got \(0, 1\)"),
+        ("[0.0, 0.0, 1.0]", "1.0", r"pose.flip_axis: expected three numbers of norm 1, got 1.0"),
+        ("_min = 0.15", "_min = 0.5", r"mask.drop_share_min: expected at most drop_share_max = 0.45, got 0.5"),
+        ("bias_cells = 0.0", "bias_cells = inf", r"mask.bias_cells: expected a number in \[-14, 14\], got inf"),
+        ("pose_s = 0.20", "pose_s = -0.1", r"timing.pose_s: expected a number in \[0, 60\], got -0.1"),
         ("[timing]", "[time]", r"unknown section 'time': expected mask, pose, timing, view"),
         ("[view]", "more = 1\n[view]", r"unknown section 'more'"),
         ("[view]", "[view", r"no TOML: "),
@@ -63,7 +63,7 @@ def test_an_unfit_file_is_refused_in_one_line_that_says_why(old, new, words) -> 
 def test_a_number_in_place_of_a_section_is_refused() -> None:
     head, tail = ANTENNA.split("[timing]")
     assert "detector_s" in tail
-    with pytest.raises(NoiseFileError, match="mine: timing: expected a section, came 1"):
+    with pytest.raises(NoiseFileError, match="mine: timing: expected a section, got 1"):
         read_noise("timing = 1\n" + head, "mine")
 
 
@@ -78,7 +78,7 @@ def test_unknown_models_and_missing_files_are_refused_with_what_is_there(tmp_pat
 
 
 def test_a_record_made_in_code_is_checked_like_a_file() -> None:
-    with pytest.raises(NoiseFileError, match=r"box_share: expected a number in \[0, 0.5\], came 0.6"):
+    with pytest.raises(NoiseFileError, match=r"box_share: expected a number in \[0, 0.5\], got 0.6"):
         replace(load_noise("antenna").mask, box_share=0.6)
 
 
@@ -97,7 +97,7 @@ def test_a_changed_model_differs_in_the_named_parameters_only() -> None:
         ({"pose.laterl_mm": 1.0}, "unknown noise parameter 'pose.laterl_mm': expected one of .*pose.lateral_mm"),
         ({"lateral_mm": 1.0}, "unknown noise parameter 'lateral_mm'"),
         ({"pose.flip_axis": 1.0}, "unknown noise parameter 'pose.flip_axis'"),
-        ({"pose.lateral_mm": -1.0}, r"changed noise: lateral_mm: expected a number in \[0, 1000\], came -1.0"),
+        ({"pose.lateral_mm": -1.0}, r"changed noise: lateral_mm: expected a number in \[0, 1000\], got -1.0"),
     ],
 )
 def test_a_change_that_cannot_be_is_refused(values, words) -> None:

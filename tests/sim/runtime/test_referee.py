@@ -17,10 +17,10 @@ def referee(station: SimStation, antenna_world: World) -> SimReferee:
 
 def put(world: World, part: int, X_WO: Pose) -> None:
     """Puts a part somewhere without physics."""
-    address = world.model.joint(f"part_{part}").qposadr[0]
+    address = world.mj_model.joint(f"part_{part}").qposadr[0]
     world.data.qpos[address : address + 3] = X_WO.translation
     world.data.qpos[address + 3 : address + 7] = X_WO.quaternion_wxyz
-    mujoco.mj_forward(world.model, world.data)
+    mujoco.mj_forward(world.mj_model, world.data)
 
 
 def in_slot(world: World, slot: int, offset: tuple[float, float, float] = (0, 0, 0), roll: float = 0.0) -> Pose:

@@ -13,8 +13,8 @@ from maskval import Pose
 from sim.errors import DivergenceError
 from sim.model.parts import PartModel
 from sim.model.placement import place_parts
-from sim.model.renderer import Camera
-from sim.networks.ground_truth import TruthBooth
+from sim.model.renderer import Renderer
+from sim.networks.ground_truth import LatestTruth
 from sim.runtime.referee import SimReferee
 from sim.runtime.station import SimStation
 from sim.runtime.world import World
@@ -93,8 +93,8 @@ def test_what_a_moving_belt_carries_over_its_end_falls_into_the_tray_and_counts_
     assert belt.top_z - 0.25 < fallen[2] < belt.top_z - 0.10
     assert fallen[1] < -belt.length / 2
     assert coming[1] - start == pytest.approx(-0.15 * 2.0, abs=2.5e-3)  # slip, see above
-    with contextlib.closing(Camera(world.model, 48, 64)) as camera:
-        referee = SimReferee(world, SimStation(world, camera, TruthBooth()))
+    with contextlib.closing(Renderer(world.mj_model, 48, 64)) as camera:
+        referee = SimReferee(world, SimStation(world, camera, LatestTruth()))
         assert [referee.is_on_belt(part) for part in range(2)] == [False, True]
         assert referee.parts_on_belt() == 2
 
@@ -134,4 +134,4 @@ def test_a_diverging_physics_is_an_error(antenna_world: World, antenna: PartMode
     antenna_world.step()
     with pytest.raises(DivergenceError, match="diverged"):
         antenna_world.check()
-    mujoco.mj_resetData(antenna_world.model, antenna_world.data)
+    mujoco.mj_resetData(antenna_world.mj_model, antenna_world.data)
