@@ -219,9 +219,9 @@ def test_an_experiment_run_alone_has_the_rows_that_it_has_among_others(
 
 def beginning(spec: ExperimentSpec) -> list[float]:
     """Where all parts lie when the experiment begins, and where the arm is."""
-    make_cycle(spec, load_part(spec.part), LatestTruth(), lambda _: None)
-    world = kept_cell(*spec.cell).world
-    qpos: list[float] = world.data.qpos.tolist()
+    cell = kept_cell(*spec.cell)
+    make_cycle(spec, cell, LatestTruth(), lambda _: None)
+    qpos: list[float] = cell.world.data.qpos.tolist()
     assert len(qpos) == 6 + 2 + 7 * PARTS
     return qpos
 
