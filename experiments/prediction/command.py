@@ -7,6 +7,7 @@ from typing import Any
 from experiments.prediction.cells import PredictedCell, Rate, agreement, predict_cell
 from experiments.prediction.config import Predict
 from experiments.prediction.counting import count_all
+from experiments.prediction.gap import BASE_REACH, Reach
 from experiments.prediction.variants import VARIANTS
 from experiments.prediction.worlds import Noise, Setting, world_of
 from experiments.results.paired import Paired, format_paired, pair
@@ -28,14 +29,14 @@ def predict(config: Predict) -> int:
     """
     config.check()
     folder = writable_folder(config.out)
-    worlds = {part: [world_of(part, config.gap, index) for index in range(config.worlds)] for part in config.objects}
+    worlds = _worlds(config, BASE_REACH)
     names = list(VARIANTS) if "all" in config.variants else list(config.variants)
     write_json(folder / "manifest.json", {**manifest(config), "seed": config.seed})
     results: dict[str, Any] = {}
     found = {"worlds": {part: [dict(one) for one in rows] for part, rows in worlds.items()}, "variants": results}
     for name in names:
         setting = VARIANTS[name](Setting(load_thresholds("paper"), seed=config.seed))
-        cells, pairs = _cells(config, setting, worlds, name)
+        cells, pairs = _cells(config, setting, _worlds(config, setting.reach), name)
         results[name] = {
             "cells": cells,
             "paired": pairs,
@@ -46,6 +47,13 @@ def predict(config: Predict) -> int:
         print(_table(name, cells, pairs), flush=True)
     print(f"results in {folder}")
     return 0
+
+
+def _worlds(config: Predict, reach: Reach) -> dict[str, list[Noise]]:
+    """The worlds of each part, where S2 and the detector feel so much of the gap."""
+    return {
+        part: [world_of(part, config.gap, index, reach) for index in range(config.worlds)] for part in config.objects
+    }
 
 
 def _cells(

@@ -2,7 +2,7 @@
 
 Two numbers: `core_scale` multiplies the pose networks' small errors (shifts and rotations, of S1 and S2),
 `outlier_odds` the odds of an outlier. The paper's dataset tables cannot hold them; its robot without uncertainty
-quantification does.
+quantification does, for S1. That S2 feels all of the gap and the detector none is an assumption: see `Reach`.
 """
 
 import json
@@ -15,6 +15,28 @@ from experiments.errors import UsageError
 from sim.networks.noise_model import PartNoise
 
 _PRESETS = files("experiments") / "presets" / "gaps"
+
+
+@dataclass(frozen=True, slots=True)
+class Reach:
+    """How much of the gap the networks beside S1 feel, as an exponent of both its numbers: 0 none of it, 1 all.
+
+    Attributes:
+        second: S2's share.
+        detector: the detector's; `core_scale` multiplies its outline's displacement, `outlier_odds` the odds of a
+            dropped piece and of a miss.
+    """
+
+    second: float = 1.0
+    detector: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name, value in asdict(self).items():
+            if not 0.0 <= value <= 1.0:
+                raise ValueError(f"expected {name} in [0, 1], got {value}")
+
+
+BASE_REACH = Reach()  # of the gap's fit and of every prediction but the variants that name another
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,15 +56,37 @@ class Gap:
             if not (math.isfinite(value) and value > 0.0):
                 raise ValueError(f"expected {name} above 0, got {value}")
 
-    def noise(self, rendered: PartNoise) -> dict[str, float]:
-        """The parameters of the error model that it changes, with their values on real images."""
-        p = rendered.pose.outlier_probability
-        odds = self.outlier_odds * p / (1.0 - p)
-        return {
-            "pose.lateral_mm": self.core_scale * rendered.pose.lateral_mm,  # the depth error is a multiple of it
-            "pose.rotation_deg": self.core_scale * rendered.pose.rotation_deg,
-            "pose.outlier_probability": odds / (1.0 + odds),
+    def noise(self, rendered: PartNoise, reach: Reach = BASE_REACH) -> dict[str, float]:
+        """The parameters of the error model that it changes, with their values on real images.
+
+        Args:
+            rendered: The error model on rendered images.
+            reach: How much of the gap S2 and the detector feel.
+        """
+        pose = rendered.pose
+        values = {
+            "pose.lateral_mm": self.core_scale * pose.lateral_mm,  # the depth error is a multiple of it
+            "pose.rotation_deg": self.core_scale * pose.rotation_deg,
+            "pose.outlier_probability": _with_odds(pose.outlier_probability, self.outlier_odds),
         }
+        if reach.second != 1.0:  # S2's numbers are in units of S1's, which have the whole gap
+            spared = reach.second - 1.0
+            values["pose.second_scale"] = self.core_scale**spared * pose.second_scale
+            values["pose.second_outlier_odds_ratio"] = self.outlier_odds**spared * pose.second_outlier_odds_ratio
+        if reach.detector != 0.0:
+            odds, mask = self.outlier_odds**reach.detector, rendered.mask
+            values["mask.field_cells"] = self.core_scale**reach.detector * mask.field_cells
+            values["mask.drop_probability"] = _with_odds(mask.drop_probability, odds)
+            values["mask.miss_probability"] = _with_odds(mask.miss_probability, odds)
+        return values
+
+
+def _with_odds(p: float, factor: float) -> float:
+    """The probability whose odds are `factor` times those of p."""
+    if p == 1.0:
+        return 1.0
+    odds = factor * p / (1.0 - p)
+    return odds / (1.0 + odds)
 
 
 def load_gaps(part: str, source: str) -> list[Gap]:

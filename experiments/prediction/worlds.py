@@ -8,7 +8,7 @@ from importlib.resources import files
 from typing import Any
 
 from experiments.errors import UsageError
-from experiments.prediction.gap import Gap, load_gaps
+from experiments.prediction.gap import BASE_REACH, Gap, Reach, load_gaps
 from experiments.setup.experiment import ExperimentSpec
 from experiments.setup.thresholds import Thresholds
 from sim.errors import NoiseFileError
@@ -31,6 +31,7 @@ class Setting:
         speed: name of the speed preset.
         refine_distance: m; see `CycleConfig`.
         noise: parameters of the error models that are changed whatever the world.
+        reach: how much of the domain gap S2 and the detector feel, in every world.
     """
 
     thresholds: Thresholds
@@ -39,6 +40,7 @@ class Setting:
     speed: str = "ur-default"
     refine_distance: float = 0.40
     noise: Noise = ()
+    reach: Reach = BASE_REACH
 
     def spec(self, part: str, method: str, world: Noise, experiment: int) -> ExperimentSpec:
         """One experiment in one world."""
@@ -56,9 +58,9 @@ class Setting:
         )
 
 
-def world(rendered: PartNoise, member: dict[str, float], gap: Gap) -> Noise:
+def world(rendered: PartNoise, member: dict[str, float], gap: Gap, reach: Reach = BASE_REACH) -> Noise:
     """The parameters that differ from the error model's file: an accepted set's, and the gap on top of them."""
-    return tuple((member | gap.noise(rendered.changed(member))).items())
+    return tuple((member | gap.noise(rendered.changed(member), reach)).items())
 
 
 def load_ensemble(noise: str, rendered: PartNoise) -> list[dict[str, float]]:
@@ -83,19 +85,20 @@ def load_ensemble(noise: str, rendered: PartNoise) -> list[dict[str, float]]:
     return [{}, *members]
 
 
-def world_of(part: str, gap: str, index: int) -> Noise:
+def world_of(part: str, gap: str, index: int, reach: Reach = BASE_REACH) -> Noise:
     """The index-th world of a part: accepted sets and draws of the gap begin anew when they are over.
 
     Args:
         part: The part's name or file.
         gap: See `load_gaps`.
         index: Of the world, from 0.
+        reach: How much of the gap S2 and the detector feel.
 
     Raises:
         UsageError: there is no such gap for this part.
     """
     rendered, members, gaps = _worlds(part, gap)
-    return world(rendered, taken(members, index), taken(gaps, index))
+    return world(rendered, taken(members, index), taken(gaps, index), reach)
 
 
 @cache

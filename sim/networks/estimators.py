@@ -1,7 +1,8 @@
 """The simulated networks: exact ones, noisy ones, and one with an error of a wanted size.
 
 They read the truth of the newest frame from the latest_truth, not its images. What they return is a function of seed,
-experiment, part and view only: no call changes the next one's result.
+experiment, part and view only (and of the frame's index, where a share of the errors is renewed): no call changes the
+next one's result.
 """
 
 from collections.abc import Sequence
@@ -16,9 +17,9 @@ from maskval import Mesh, Pose, mdd
 from sim.networks.ground_truth import FrameTruth, LatestTruth
 from sim.networks.mask_noise import FALSE_ALARM_COUNT, MaskLatents, false_alarm, noisy_detection
 from sim.networks.noise_model import PartNoise
+from sim.networks.picture_noise import PictureLatents
 from sim.networks.pose_noise import PoseLatents, displace, noisy_pose, pose_of_nothing
 from sim.networks.random_streams import Streams
-from sim.networks.view_noise import ViewLatents
 
 Kind = Literal["oracle", "noisy"]
 NETWORKS = 2  # S1 and S2
@@ -89,7 +90,7 @@ class NoisyMasks:
     def __init__(self, latest_truth: LatestTruth, part: Part, noise: PartNoise, streams: Streams) -> None:
         self._latest_truth, self._mesh, self._noise = latest_truth, part.mesh, noise.mask
         self._center_O = middle(part.mesh)
-        self._latents = ViewLatents(streams, noise.view)
+        self._latents = PictureLatents(streams, noise.view)
         self.inference_time = noise.timing.detector_s
         self.images = _NO_IMAGES
 
@@ -98,14 +99,14 @@ class NoisyMasks:
         truth = self._latest_truth.of(frame)
         found = [self._instance(truth, part, frame) for part in truth.visible_parts()]
         if self._noise.false_alarms_per_image > 0.0:
-            latents = self._latents.of_camera("false alarm", FALSE_ALARM_COUNT, frame.X_BC)
+            latents = self._latents.of_camera("false alarm", FALSE_ALARM_COUNT, frame.X_BC, frame=frame.index)
             found.append(false_alarm(truth.instance_ids.shape, latents, self._noise))
         return [detection for detection in found if detection is not None]
 
     def _instance(self, truth: FrameTruth, part: int, frame: Frame) -> Detection | None:
         X_CO = truth.X_CO_true[part]
-        difficulty = _difficulty(self._latents, part, X_CO, self._center_O)
-        vector = self._latents.of_part("mask", MaskLatents.COUNT, part, X_CO, self._center_O)
+        difficulty = _difficulty(self._latents, part, X_CO, self._center_O, frame)
+        vector = self._latents.of_part("mask", MaskLatents.COUNT, part, X_CO, self._center_O, frame=frame.index)
         visible = truth.mask(part)
         neighbors = (truth.instance_ids >= 0) & ~visible
         visibility = truth.visibility(part, self._mesh)
@@ -120,7 +121,7 @@ class NoisyPoses:
             raise ValueError(f"network must be 0 (S1) or 1 (S2), got {network}")
         self._latest_truth, self._mesh, self._noise, self._network = latest_truth, part.mesh, noise.pose, network
         self._center_O = middle(part.mesh)
-        self._latents = ViewLatents(streams, noise.view)
+        self._latents = PictureLatents(streams, noise.view)
         self.inference_time = noise.timing.pose_s
         self.images = _NO_IMAGES
 
@@ -132,11 +133,11 @@ class NoisyPoses:
     def _pose(self, truth: FrameTruth, frame: Frame, detection: Detection) -> Pose:
         part = truth.part_of(detection)
         if part is None:
-            latents = self._latents.of_camera(f"pose of nothing {self._network}", 4, frame.X_BC)
+            latents = self._latents.of_camera(f"pose of nothing {self._network}", 4, frame.X_BC, frame=frame.index)
             return pose_of_nothing(detection.mask, frame.camera, self._mesh, latents)
         X_CO = truth.X_CO_true[part]
-        difficulty = _difficulty(self._latents, part, X_CO, self._center_O)
-        vector = self._latents.of_part("pose", PoseLatents.COUNT, part, X_CO, self._center_O)
+        difficulty = _difficulty(self._latents, part, X_CO, self._center_O, frame)
+        vector = self._latents.of_part("pose", PoseLatents.COUNT, part, X_CO, self._center_O, frame=frame.index)
         visibility = truth.visibility(part, self._mesh)
         latents_of_view = PoseLatents.from_vector(difficulty, vector)
         X_CO_seen = truth.X_CO_seen(part, self._center_O, frame.camera)
@@ -214,9 +215,9 @@ def middle(mesh: Mesh) -> NDArray[np.float64]:
     return center
 
 
-def _difficulty(latents: ViewLatents, part: int, X_CO: Pose, center_O: NDArray[np.float64]) -> float:
+def _difficulty(latents: PictureLatents, part: int, X_CO: Pose, center_O: NDArray[np.float64], frame: Frame) -> float:
     """D of a view: one number for mask, S1 and S2, so it comes from here for all of them."""
-    return float(latents.of_part("difficulty", 1, part, X_CO, center_O)[0])
+    return float(latents.of_part("difficulty", 1, part, X_CO, center_O, frame=frame.index)[0])
 
 
 def _shown(truth: FrameTruth, detections: Sequence[Detection], index: int) -> int:

@@ -26,11 +26,12 @@ def _number(low: float, high: float) -> Any:
 
 @dataclass(frozen=True, slots=True)
 class ViewNoise:
-    """How fast errors change from view to view."""
+    """How fast errors change from view to view, and how much of them from picture to picture."""
 
     direction_length_deg: float = _number(0.1, _LARGEST)
     distance_length: float = _number(0.01, _LARGEST)
     camera_length_mm: float = _number(1.0, 1e6)
+    renewed_share: float = _number(0.0, 1.0)
 
     def __post_init__(self) -> None:
         _check(self)

@@ -24,7 +24,6 @@ from experiments.setup.experiment import ExperimentResult, ExperimentSpec, kept_
 from experiments.setup.methods import METHODS
 from experiments.setup.thresholds import load_thresholds
 from maskval import Pose, mask_from_rle
-from sim.model.parts import load_part
 from sim.networks.ground_truth import LatestTruth
 from sim.runtime import episode as episode_module
 from sim.runtime.world import World

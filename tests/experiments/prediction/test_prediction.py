@@ -64,9 +64,9 @@ def test_every_variant_but_the_base_changes_its_setting() -> None:
     base = Setting(load_thresholds("paper"))
     changed = {name: variant(base) for name, variant in VARIANTS.items() if name != "thresholds-derived"}
     assert changed.pop("base") == base
-    assert len(changed) == 15
+    assert len(changed) == 20
     assert all(setting != base for setting in changed.values())
-    assert len({repr(setting) for setting in changed.values()}) == 15
+    assert len({repr(setting) for setting in changed.values()}) == 20
 
 
 def test_what_a_variant_changes_stands_above_the_world() -> None:

@@ -23,7 +23,7 @@ def test_a_file_is_read_by_its_path(tmp_path) -> None:
 def test_every_parameter_says_unit_meaning_and_source(name) -> None:
     text = (files("sim") / "assets" / "noise" / f"{name}.toml").read_text(encoding="utf-8")
     lines = [line for line in text.splitlines() if " = " in line.split("#")[0]]
-    assert len(lines) == 41  # 3 of the view, 21 of the poses, 15 of the masks, 2 of the time
+    assert len(lines) == 42  # 4 of the view, 21 of the poses, 15 of the masks, 2 of the time
     for line in lines:
         unit, meaning, source = line.split("# ")[1].split("; ", 1)[0], line.split("; ")[1:-1], line.split("; ")[-1]
         assert unit in {"1", "deg", "mm", "px", "s", "cells"}
