@@ -88,7 +88,7 @@ class Cycle:
         tracked = BeltSpeed(layout.belt.speed) if config.fresh_look and layout.belt.speed else None
         self._motion = Motion(station, layout, config.speed, tracked)
         self._search = self._reachable_search(layout)
-        center_O = perception.part.mesh.bounds.mean(axis=0)
+        center_O = perception.part.mesh.center
         self._second_look = SecondLook(self._motion, center_O, config.refine_distance, config.settle_time)
         self._state = State.SEARCH
         self._slot = self._view = self._decisions = self._container_slot = 0

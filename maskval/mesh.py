@@ -67,6 +67,13 @@ class Mesh:
         return np.stack((self.vertices.min(axis=0), self.vertices.max(axis=0)))
 
     @cached_property
+    def center(self) -> NDArray[np.float64]:
+        """Middle of the axis-aligned box around the vertices, (3,), metres in O."""
+        center: NDArray[np.float64] = self.bounds.mean(axis=0)
+        center.setflags(write=False)
+        return center
+
+    @cached_property
     def is_solid(self) -> bool:
         """Whether the mesh bounds a volume: closed, all faces outwards, in each of its connected pieces."""
         count = len(self.edges.faces)
@@ -82,8 +89,7 @@ class Mesh:
     @cached_property
     def diameter(self) -> float:
         """Greatest distance between two vertices, metres."""
-        low, high = self.bounds
-        radii = np.linalg.norm(self.vertices - (low + high) / 2, axis=1)
+        radii = np.linalg.norm(self.vertices - self.center, axis=1)
         far = self.vertices[np.argmax(radii)]
         reached = float(np.linalg.norm(self.vertices - far, axis=1).max())
         # Both ends of a pair at least `reached` apart lie at least this far from the centre.

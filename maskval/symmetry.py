@@ -61,7 +61,7 @@ def right_angle_symmetries(mesh: Mesh) -> tuple[Pose, ...]:
     Args:
         mesh: The object.
     """
-    middle = mesh.bounds.mean(axis=0)
+    middle = mesh.center
     points = mesh.vertices - middle
     tree = cKDTree(points)
     found = []

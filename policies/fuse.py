@@ -35,7 +35,7 @@ class Fuse:
 
     def __init__(self, setup: PolicySetup) -> None:
         self._mesh = setup.part.mesh
-        self._center_O = setup.part.mesh.bounds.mean(axis=0)
+        self._center_O = setup.part.mesh.center
         self._rule = ThresholdPolicy(setup.u_grasp, setup.u_refine)
         self._seen: list[_View] = []
 

@@ -64,7 +64,7 @@ def visible_errors(mesh: Mesh, X_BO: Pose, X_BC: Pose, camera: Camera) -> NDArra
 
 def _displaced(mesh: Mesh, X_BO: Pose) -> list[Pose]:
     """The pose shifted along, then turned about, B's axes, about the part's middle."""
-    center_O = mesh.bounds.mean(axis=0)
+    center_O = mesh.center
     radius = float(np.linalg.norm(mesh.vertices - center_O, axis=1).max())
     to_center = Pose.from_translation(X_BO.apply(center_O))
     shifts = [Pose.from_translation(ERROR * axis) for axis in np.eye(3)]

@@ -23,7 +23,7 @@ def views_around(observation: Observation, detection: int, setup: PolicySetup) -
 
     Of two tilts the lesser comes first, of the sides of one tilt opposite ones in turn.
     """
-    center_B = observation.X_BO_est(detection).apply(setup.part.mesh.bounds.mean(axis=0))
+    center_B = observation.X_BO_est(detection).apply(setup.part.mesh.center)
     above = look_at(center_B, REFINE_DISTANCE)
     turns = np.arange(SIDES).reshape(2, -1).T.ravel()  # 0, 4, 1, 5, …
     tilts = [

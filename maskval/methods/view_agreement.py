@@ -74,7 +74,7 @@ class TemporalConsistency:
 
 def _nearest(X_BO: Pose, others: list[Pose], mesh: Mesh, maximum_m: float) -> float:
     """The least maximum distance error between a pose and others, metres; infinite where it is above the maximum."""
-    middle_O = mesh.bounds.mean(axis=0)
+    middle_O = mesh.center
     middle_B, points_B = X_BO.apply(middle_O), X_BO.apply(mesh.vertices)
     # No point inside the vertices' hull, such as the middle, moves farther than the vertex that moves farthest.
     near = (other for other in others if np.linalg.norm(other.apply(middle_O) - middle_B) <= maximum_m)

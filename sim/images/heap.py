@@ -125,7 +125,7 @@ def _above(shapes: Sequence[Mesh], radius: float, rng: np.random.Generator) -> l
     poses: list[tuple[int, Pose]] = []
     for index in rng.permutation(len(shapes)):
         mesh = shapes[index]
-        middle = mesh.bounds.mean(axis=0)
+        middle = mesh.center
         size = float(np.linalg.norm(mesh.vertices - middle, axis=1).max())
         distance, angle = radius * math.sqrt(rng.uniform()), rng.uniform(0, 2 * math.pi)
         x, y = distance * math.cos(angle), distance * math.sin(angle)

@@ -123,8 +123,8 @@ def expose(rgb: NDArray[np.float32], rng: np.random.Generator) -> Picture:
 
 def _viewpoint(model: PartModel, heap: Heap, camera: Camera, half_size: Array, rng: np.random.Generator) -> Pose:
     """X_CW of a camera whose axis looks down, with the middle of one part somewhere in the image."""
-    middles_W = np.array([X.apply(model.part.mesh.bounds.mean(axis=0)) for X in heap.X_WO])
-    others_W = np.array([X.apply(mesh.bounds.mean(axis=0)) for mesh, X in heap.clutter]).reshape(-1, 3)
+    middles_W = np.array([X.apply(model.part.mesh.center) for X in heap.X_WO])
+    others_W = np.array([X.apply(mesh.center) for mesh, X in heap.clutter]).reshape(-1, 3)
     size = np.array((camera.width, camera.height))
     while True:
         z = rng.uniform(*HEAP.distance)

@@ -113,7 +113,7 @@ def estimate(
         camera: Intrinsics and image size.
         noise: The parameters.
     """
-    center_O = mesh.bounds.mean(axis=0)
+    center_O = mesh.center
 
     def pose(network: int, index: int) -> Pose:
         part = parts[index]

@@ -153,4 +153,4 @@ def _anywhere(mesh: Mesh, camera: Camera, recipe: Recipe, rng: np.random.Generat
     x = ((u - camera.cx) * z - camera.skew * y) / camera.fx
     quaternion = rng.normal(size=4)
     turn = Pose.from_quaternion_wxyz(quaternion / math.sqrt(float(quaternion @ quaternion)), (x, y, z))
-    return turn @ Pose.from_translation(-mesh.bounds.mean(axis=0))
+    return turn @ Pose.from_translation(-mesh.center)

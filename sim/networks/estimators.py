@@ -69,7 +69,7 @@ class OraclePoses:
     """Implements `cell.interfaces.PoseEstimator`: the true pose of the part that a detection shows."""
 
     def __init__(self, latest_truth: LatestTruth, part: Part, noise: PartNoise) -> None:
-        self._latest_truth, self._center_O = latest_truth, middle(part.mesh)
+        self._latest_truth, self._center_O = latest_truth, part.mesh.center
         self.inference_time = noise.timing.pose_s
         self.images = _NO_IMAGES
 
@@ -89,7 +89,7 @@ class NoisyMasks:
 
     def __init__(self, latest_truth: LatestTruth, part: Part, noise: PartNoise, streams: Streams) -> None:
         self._latest_truth, self._mesh, self._noise = latest_truth, part.mesh, noise.mask
-        self._center_O = middle(part.mesh)
+        self._center_O = part.mesh.center
         self._latents = PictureLatents(streams, noise.view)
         self.inference_time = noise.timing.detector_s
         self.images = _NO_IMAGES
@@ -120,7 +120,7 @@ class NoisyPoses:
         if network not in range(NETWORKS):
             raise ValueError(f"network must be 0 (S1) or 1 (S2), got {network}")
         self._latest_truth, self._mesh, self._noise, self._network = latest_truth, part.mesh, noise.pose, network
-        self._center_O = middle(part.mesh)
+        self._center_O = part.mesh.center
         self._latents = PictureLatents(streams, noise.view)
         self.inference_time = noise.timing.pose_s
         self.images = _NO_IMAGES
@@ -195,7 +195,7 @@ def pose_with_mdd(X_CO_true: Pose, mesh: Mesh, wanted_mdd: float, rng: np.random
         return X_CO_true
     shift, axis = (vector / np.linalg.norm(vector) for vector in rng.normal(size=(2, 3)))
     share = rng.uniform()
-    center_O = middle(mesh)
+    center_O = mesh.center
     # The whole error of size 1 m: the shift's share of it, and the turn that moves the farthest vertex by the rest.
     radius = float(np.linalg.norm(mesh.vertices - center_O, axis=1).max())
     error = np.concatenate((share * shift, (1.0 - share) / radius * axis))
@@ -207,12 +207,6 @@ def pose_with_mdd(X_CO_true: Pose, mesh: Mesh, wanted_mdd: float, rng: np.random
         short = mdd(displace(X_CO_true, center_O, size * error), X_CO_true, mesh.vertices) < wanted_mdd
         low, high = (size, high) if short else (low, size)
     return displace(X_CO_true, center_O, high * error)
-
-
-def middle(mesh: Mesh) -> NDArray[np.float64]:
-    """The middle of the box around a mesh, (3,) m in O: where a part is, for direction, distance and turns."""
-    center: NDArray[np.float64] = mesh.bounds.mean(axis=0)
-    return center
 
 
 def _difficulty(latents: PictureLatents, part: int, X_CO: Pose, center_O: NDArray[np.float64], frame: Frame) -> float:

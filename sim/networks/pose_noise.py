@@ -161,7 +161,7 @@ def pose_of_nothing(mask: NDArray[np.bool_], camera: Camera, mesh: Mesh, latents
     y = (float(v.mean()) - camera.cy) / camera.fy * z
     x = ((float(u.mean()) - camera.cx) * z - camera.skew * y) / camera.fx
     turn = Pose.from_quaternion_wxyz(latents / math.sqrt(float(latents @ latents)), (x, y, z))
-    return turn @ Pose.from_translation(-mesh.bounds.mean(axis=0))
+    return turn @ Pose.from_translation(-mesh.center)
 
 
 def displace(X_CO: Pose, center_O: Array, error: Array) -> Pose:

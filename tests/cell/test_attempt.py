@@ -69,7 +69,7 @@ def attempt(
 
 # Where the tool stands after an attempt on X_BO, in W. The brick is gripped at its middle, 20 mm above its lower side,
 # so it hangs in the middle of its slot.
-GRIP = LAYOUT.X_WB.apply(X_BO.apply(PART.mesh.bounds.mean(axis=0)))
+GRIP = LAYOUT.X_WB.apply(X_BO.apply(PART.mesh.center))
 BEFORE = GRIP + up(APPROACH_LENGTH)
 LIFTED = GRIP + up(LIFT_HEIGHT)
 RELEASED = LAYOUT.container.slot_center(2, PART.slot_size) + up(0.020 + RELEASE_HEIGHT)

@@ -240,7 +240,7 @@ def test_u_between_the_thresholds_leads_to_one_second_look_that_centres_the_part
     assert (first.observation.refining, second.observation.refining) == (False, True)
     assert first.decision == Decision(Action.REFINE, 0, 0.6)
     assert second.decision == Decision(Action.GRASP, 0, 0.2)
-    middle_O = PART.mesh.bounds.mean(axis=0)
+    middle_O = PART.mesh.center
     middle_C = second.observation.poses[0][0].apply(middle_O)
     np.testing.assert_allclose(LAYOUT.camera.project(middle_C), [32 / 2, 24 / 2], atol=1e-6)
     assert experiment.attempts[0].frame == second.observation.frame.index == 1

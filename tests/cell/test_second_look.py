@@ -24,7 +24,7 @@ from tests.fakes import (
 
 SPEED = 0.1
 PART, LAYOUT = brick(), small_layout(SPEED)
-MIDDLE_O = PART.mesh.bounds.mean(axis=0)
+MIDDLE_O = PART.mesh.center
 FIRST = on_belt(PART, LAYOUT, turned(), y_W=0.4)
 THEN = on_belt(PART, LAYOUT, turned(yaw_deg=5.0), y_W=0.2)  # where the fresh look shows it
 CAREFUL = ThresholdPolicy(u_grasp=0.2, u_refine=0.6)

@@ -80,7 +80,7 @@ def test_a_search_run_of_one_view_stays_there():
 def test_a_refinement_view_looks_down_on_the_estimated_middle_of_the_part_from_nearby():
     part, layout = brick(), small_layout()
     X_BO = on_belt(part, layout, turned(roll_deg=90, yaw_deg=40), y_W=0.3)
-    X_BC = refinement_view(X_BO, part.mesh.bounds.mean(axis=0))
+    X_BC = refinement_view(X_BO, part.mesh.center)
     np.testing.assert_allclose(X_BC.rotation[:, 2], [0, 0, -1], atol=1e-12)
     # The brick's middle is 10, 5 and 20 mm from its origin.
     middle_B = X_BO.apply(np.array([0.01, 0.005, 0.02]))

@@ -12,7 +12,7 @@ from tests.fakes import brick, observation, on_belt, policy_setup, turned
 LAYOUT, PART = Layout(), brick()
 VIEWS = search_run(LAYOUT).views  # 0.2 m apart
 X_BO = on_belt(PART, LAYOUT, turned())
-CENTER_O = PART.mesh.bounds.mean(axis=0)
+CENTER_O = PART.mesh.center
 
 
 def off(x_mm=0.0, yaw_deg=0.0):

@@ -34,7 +34,7 @@ def test_patient_never_takes_the_same_view_twice_and_begins_from_above():
     assert decisions[-1] == Decision(Action.SEARCH, 0, 0.2)
     views = [tuple(decision.X_BC.translation.round(6)) for decision in decisions[:-1]]
     assert len(set(views)) == 17
-    above = refinement_view(X_BO, PART.mesh.bounds.mean(axis=0))
+    above = refinement_view(X_BO, PART.mesh.center)
     assert views[0] == tuple(above.translation.round(6))
 
 

@@ -72,7 +72,7 @@ def test_cameras_stand_in_the_room_look_down_and_have_a_part_in_the_image(antenn
         assert (np.abs(X_WC.translation[:2]) < half_size).all()
         assert X_WC.translation[2] >= 0.15
         assert X_WC.rotation[2, 2] <= -np.sin(np.radians(25)) + 1e-9
-        middles = np.array([(X_CW @ X).apply(antenna.part.mesh.bounds.mean(axis=0)) for X in heap.X_WO])
+        middles = np.array([(X_CW @ X).apply(antenna.part.mesh.center) for X in heap.X_WO])
         inside = (np.abs(CAMERA.project(middles) - (320, 240)) < (0.3001 * 640, 0.3001 * 480)).all(axis=1)
         aimed = inside & (middles[:, 2] >= HEAP.distance[0]) & (middles[:, 2] <= HEAP.distance[1])
         assert aimed.any()

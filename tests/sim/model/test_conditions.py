@@ -16,7 +16,7 @@ from sim.instance_ids import NO_INSTANCE, PIXEL_CENTER
 from sim.model.conditions import RANGES, UNDISTURBED, Conditions
 from sim.model.parts import PartModel
 from sim.model.renderer import Renderer
-from sim.networks.estimators import make_estimators, middle
+from sim.networks.estimators import make_estimators
 from sim.networks.ground_truth import LatestTruth
 from sim.networks.noise_model import load_noise
 from sim.networks.random_streams import Streams
@@ -112,7 +112,7 @@ def test_the_picture_is_the_true_cameras(antenna: PartModel) -> None:
 def test_a_shifted_principal_point_shifts_the_estimate_by_z_over_f(antenna: PartModel) -> None:
     world = world_of(antenna, principal_point_error_px=(6.0, -3.0))
     frame, X_CO_est = estimated(world, antenna)
-    center_O = middle(antenna.part.mesh)
+    center_O = antenna.part.mesh.center
     true = world.X_CO(0).apply(center_O)
     per_pixel = true[2] / frame.camera.fx
     assert per_pixel == pytest.approx(0.6 / 600, rel=0.2)
@@ -122,7 +122,7 @@ def test_a_shifted_principal_point_shifts_the_estimate_by_z_over_f(antenna: Part
 def test_a_longer_focal_length_than_believed_brings_the_estimate_nearer(antenna: PartModel) -> None:
     world = world_of(antenna, focal_error_percent=2.0)
     _, X_CO_est = estimated(world, antenna)
-    center_O = middle(antenna.part.mesh)
+    center_O = antenna.part.mesh.center
     seen, true = X_CO_est.apply(center_O), world.X_CO(0).apply(center_O)
     assert seen[2] == pytest.approx(true[2] / 1.02)
     assert seen[:2] == pytest.approx(true[:2])  # the same pixel at f/1.02 and z/1.02

@@ -13,7 +13,6 @@ from sim.networks.estimators import (
     NoisyPoses,
     OraclePoses,
     make_estimators,
-    middle,
     pose_with_mdd,
 )
 from sim.networks.ground_truth import FrameTruth, LatestTruth
@@ -42,7 +41,7 @@ DOWN = Pose.from_rotvec((math.pi, 0, 0))
 def posed(x: float, y: float, yaw: float = 0.0, tilt: float = 0.0) -> Pose:
     """X_CO with the part's middle at (x, y, 0.5) m, seen from `tilt` (rad) beside its z axis."""
     turn = DOWN @ Pose.from_rotvec((0, tilt, 0)) @ Pose.from_rotvec((0, 0, yaw))
-    return Pose.from_translation((x, y, 0.5)) @ turn @ Pose.from_translation(-middle(PART.mesh))
+    return Pose.from_translation((x, y, 0.5)) @ turn @ Pose.from_translation(-PART.mesh.center)
 
 
 def shown(latest_truth: LatestTruth, poses: list[Pose], index: int = 0) -> Frame:
@@ -121,7 +120,7 @@ def test_another_view_has_a_partly_new_error() -> None:
         frame = shown(latest_truth, [X_CO])
         S1 = NoisyPoses(latest_truth, PART, core, Streams(0, experiment, "box"), network=0)
         X_CO_est = S1.estimate(frame, [Detection(latest_truth.of(frame).mask(0), 1.0)])[0]
-        return float(X_CO_est.apply(middle(PART.mesh))[2] - 0.5)
+        return float(X_CO_est.apply(PART.mesh.center)[2] - 0.5)
 
     errors = np.array([[depth_error(n, 0.0), depth_error(n, math.radians(30))] for n in range(600)])
     assert np.corrcoef(errors.T)[0, 1] == pytest.approx(0.403, abs=4 * 0.034)
@@ -184,7 +183,7 @@ def test_a_false_alarm_gets_a_pose_in_its_direction() -> None:
     v, u = np.argwhere(found[0].mask).mean(axis=0) + 0.5
     poses = [network.estimate(frame, found)[0] for network in networks]
     for X_CO in poses:
-        np.testing.assert_allclose(CAMERA.project(X_CO.apply(middle(PART.mesh))), (u, v), atol=1e-9)
+        np.testing.assert_allclose(CAMERA.project(X_CO.apply(PART.mesh.center)), (u, v), atol=1e-9)
     assert not same_poses(poses[:1], poses[1:])
     assert same_detections(masks.detect(frame), found)
 
@@ -215,7 +214,7 @@ def test_wanted_errors_have_any_direction_and_any_mixture() -> None:
     shifts = []
     for seed in range(400):
         X_CO = pose_with_mdd(TWO[0], PART.mesh, 0.02, np.random.default_rng(seed))
-        shifts.append(X_CO.apply(middle(PART.mesh)) - TWO[0].apply(middle(PART.mesh)))
+        shifts.append(X_CO.apply(PART.mesh.center) - TWO[0].apply(PART.mesh.center))
     lengths = np.linalg.norm(shifts, axis=1)
     np.testing.assert_allclose((np.array(shifts) / lengths[:, None]).mean(axis=0), 0.0, atol=4 * 0.029)
     assert lengths.min() < 0.001
