@@ -1,5 +1,6 @@
 """Binary masks: checking, packing to bits, and COCO's run lengths."""
 
+import operator
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Self
@@ -8,6 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from maskval.errors import InvalidMaskError
+
+# No camera has as many: a size beyond it is a broken file, which must not make anything allocate it.
+MAXIMUM_PIXELS = 2**28
+# COCO's own code holds a number in 64 bits: 13 letters of 5 bits.
+_LETTERS = 13
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -65,7 +71,7 @@ class PackedMasks:
         return cls(packed.view("<u8").astype(np.uint64, copy=False), width)
 
     @classmethod
-    def from_rle(cls, runs: Iterable[Sequence[int] | str], height: int, width: int) -> Self:
+    def from_rle(cls, runs: Iterable[Sequence[int] | str | bytes], height: int, width: int) -> Self:
         """The packed form of COCO run lengths, plain or compressed, the counts of one mask after the other."""
         masks = [mask_from_rle(counts, height, width) for counts in runs]
         return cls.pack(np.array(masks, dtype=np.bool_).reshape(len(masks), height, width))
@@ -105,23 +111,40 @@ def rle_counts(mask: NDArray[Any]) -> list[int]:
     return counts
 
 
-def mask_from_rle(counts: Sequence[int] | str, height: int, width: int) -> NDArray[np.bool_]:
+def mask_from_rle(counts: Sequence[int] | str | bytes, height: int, width: int) -> NDArray[np.bool_]:
     """The mask of COCO's run lengths, (H, W).
 
     Args:
-        counts: Lengths of the runs of zeros and ones in turn, zeros first, column by column; or their compressed form.
+        counts: Lengths of the runs of zeros and ones in turn, zeros first, column by column; or their compressed form,
+            as text or as the bytes that `pycocotools.mask.encode` returns.
         height: Image height H, pixels.
         width: Image width W, pixels.
 
     Raises:
-        InvalidMaskError: If a count is negative or no whole number, or the counts do not add up to H W.
+        InvalidMaskError: If the image has no pixels or more than 2^28, a count is negative or no whole number, or the
+            counts do not add up to H W.
     """
-    runs = np.asarray(_decompressed(counts) if isinstance(counts, str) else counts)
-    if runs.ndim != 1 or runs.dtype.kind not in "iu" or (runs < 0).any():
+    if min(height, width) < 1 or height * width > MAXIMUM_PIXELS:
+        raise InvalidMaskError(f"a mask must have 1 to {MAXIMUM_PIXELS} pixels, but has {height} x {width}")
+    runs = _runs(counts)
+    if min(runs, default=0) < 0:
         raise InvalidMaskError(f"counts must be whole numbers >= 0, but are {str(counts)[:60]}")
-    if runs.sum() != height * width:
-        raise InvalidMaskError(f"counts must add up to {height} x {width} = {height * width}, but to {runs.sum()}")
+    # Python's integers: a sum in 64 bits may wrap around to the right number.
+    if sum(runs) != height * width:
+        raise InvalidMaskError(f"counts must add up to {height} x {width} = {height * width}, but to {sum(runs)}")
     return np.repeat(np.arange(len(runs)) % 2 == 1, runs).reshape((height, width), order="F")
+
+
+def _runs(counts: Sequence[int] | str | bytes) -> list[int]:
+    """The run lengths, plain."""
+    if isinstance(counts, bytes):
+        counts = counts.decode("latin-1")
+    if isinstance(counts, str):
+        return _decompressed(counts)
+    try:
+        return [operator.index(count) for count in counts]
+    except TypeError as error:
+        raise InvalidMaskError(f"counts must be whole numbers >= 0, but are {str(counts)[:60]}") from error
 
 
 def _decompressed(text: str) -> list[int]:
@@ -132,6 +155,8 @@ def _decompressed(text: str) -> list[int]:
         bits = ord(letter) - 48
         if not 0 <= bits < 64:
             raise InvalidMaskError(f"compressed run lengths must be letters from '0' to 'o', but hold {letter!r}")
+        if shift == 5 * _LETTERS:
+            raise InvalidMaskError(f"compressed run lengths must have at most {_LETTERS} letters a number")
         value |= (bits & 31) << shift
         shift += 5
         if bits & 32:  # another letter follows
