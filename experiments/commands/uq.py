@@ -26,7 +26,7 @@ class Uq:
     results: Path
     """The poses: a results file of BOP, .csv."""
     masks: str
-    """Detections with masks, .json (BOP's results of 2022, COCO run lengths); or the data set's own masks:
+    """Detections with masks, .json or .json.gz (BOP's results of 2022, COCO run lengths); or the data set's own masks:
     mask_visib, or mask."""
     split: str = "test"
     """Folder of the scenes in the data set."""
@@ -98,8 +98,8 @@ def _summary(config: Uq, dataset: bop.Dataset, judged: Sequence[bop.JudgedPose])
 def _masks(config: Uq, dataset: bop.Dataset) -> bop.MaskSource:
     if config.masks in ("mask_visib", "mask"):
         return bop.SceneMasks(dataset, visible=config.masks == "mask_visib")
-    if not config.masks.endswith(".json"):
-        raise UsageError(f"expected --masks as a .json file, mask_visib or mask, got {config.masks}")
+    if not config.masks.endswith((".json", ".json.gz")):
+        raise UsageError(f"expected --masks as a .json or .json.gz file, mask_visib or mask, got {config.masks}")
     return bop.DetectedMasks(bop.read_detections(Path(config.masks)))
 
 

@@ -1,7 +1,9 @@
 """Reading JSON with errors that say where: the file, the entry in it, and what was expected there."""
 
+import gzip
 import json
 import math
+import zlib
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
@@ -14,6 +16,7 @@ from maskval.errors import InvalidFileError, MaskvalError
 from maskval.geometry import Pose
 
 M_PER_MM = 1e-3
+_GZIP = b"\x1f\x8b"
 # Files round their numbers: a matrix this near to a rotation is made one, another is refused.
 ROUNDING = 1e-3
 
@@ -83,19 +86,27 @@ class Entry:
 
 
 def read_json(path: Path) -> Entry:
-    """The value of a JSON file.
+    """The value of a JSON file, as it is or compressed by gzip, as BOP's tools write large ones.
 
     Args:
-        path: The file.
+        path: The file; what it begins with tells whether it is compressed, whatever its name.
 
     Raises:
         InvalidFileError: If it is no JSON.
     """
-    text = path.read_text(encoding="utf-8")
+    content = path.read_bytes()
+    if content.startswith(_GZIP):
+        try:
+            content = gzip.decompress(content)
+        except (OSError, EOFError, zlib.error) as error:
+            raise InvalidFileError(f"{path}: expected a whole gzip file: {error}") from error
     try:
+        text = content.decode("utf-8")
         return Entry(json.loads(text), Place(str(path), text))
     except json.JSONDecodeError as error:
         raise InvalidFileError(f"{path}:{error.lineno}:{error.colno}: expected JSON: {error.msg}") from error
+    except (ValueError, RecursionError) as error:  # no UTF-8, a number of thousands of digits, lists a thousand deep
+        raise InvalidFileError(f"{path}: expected JSON: {error}") from error
 
 
 def write_entries(path: Path, entries: dict[str, Any] | Sequence[Any]) -> None:

@@ -102,7 +102,7 @@ def test_a_malformed_file_ends_uq_with_one_line_and_code_2(arguments, capsys, tm
         ({"--dataset": "nowhere"}, "models is no folder: expected a data set in BOP's layout"),
         ({"--results": "nowhere.csv"}, "nowhere.csv"),
         ({"--masks": "nowhere.json"}, "nowhere.json"),
-        ({"--masks": "masks.txt"}, "expected --masks as a .json file, mask_visib or mask, got masks.txt"),
+        ({"--masks": "masks.txt"}, "expected --masks as a .json or .json.gz file, mask_visib or mask, got masks.txt"),
         ({"--alpha": "1.5"}, "expected --alpha in 0..1, got 1.5"),
         ({"--pixel-center": "1"}, "expected --pixel-center of at least 0 and below 1, got 1"),
         ({"--demanded-ap": "1"}, "expected --demanded-ap above 0 and below 1, got 1"),
