@@ -3,6 +3,7 @@
 from maskval.association import UNMATCHED, associate
 from maskval.camera import Camera
 from maskval.errors import (
+    InexactRotationWarning,
     InvalidCameraError,
     InvalidEstimatesError,
     InvalidEvaluationError,
@@ -53,6 +54,7 @@ __all__ = [
     "Estimates",
     "Evaluation",
     "ImageErrors",
+    "InexactRotationWarning",
     "InvalidCameraError",
     "InvalidEstimatesError",
     "InvalidEvaluationError",

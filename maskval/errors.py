@@ -33,5 +33,9 @@ class InvalidFileError(MaskvalError, ValueError):
     """A file that is not of the format that it should be; the message begins with the file and the place in it."""
 
 
+class InexactRotationWarning(UserWarning):
+    """Rotations of a file were rounded to few digits, or not orthonormal to begin with; the nearest ones are taken."""
+
+
 class MissingRendererError(MaskvalError, ImportError):
     """pyrender, or OpenGL without a screen, which only `maskval.rendering.render` needs, is not there."""

@@ -1,6 +1,8 @@
 """`graspcell uq`: the uncertainty of every pose of a BOP submission, and what it is worth."""
 
 import math
+import sys
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,7 +11,7 @@ from typing import Literal
 import numpy as np
 
 from experiments.errors import UsageError
-from maskval import UNMATCHED, MaskvalError, Summary, bop, summarise
+from maskval import UNMATCHED, InexactRotationWarning, MaskvalError, Summary, bop, summarise
 
 _HEADER = "scene_id,im_id,obj_id,score,mask,c,v,u"
 
@@ -57,6 +59,23 @@ def uq(config: Uq) -> int:
         UsageError: an argument, or a file, that cannot be used.
     """
     _check(config)
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always", InexactRotationWarning)
+        judged, summary = _judge(config)
+    for warning in told:
+        print(f"graspcell: warning: {warning.message}", file=sys.stderr)
+    print(_HEADER)
+    for pose in judged:
+        result = pose.result
+        mask = "" if pose.mask == UNMATCHED else str(pose.mask)
+        ids = f"{result.scene_id},{result.im_id},{result.obj_id},{result.score:g}"
+        print(f"{ids},{mask},{pose.c:.6f},{pose.v:.6f},{pose.u:.6f}")
+    print()
+    print("no true poses in the data set: uncertainties only" if summary is None else summary)
+    return 0
+
+
+def _judge(config: Uq) -> tuple[list[bop.JudgedPose], Summary | None]:
     try:
         dataset = bop.Dataset(config.dataset, config.split)
         judged = bop.judge_results(
@@ -69,18 +88,9 @@ def uq(config: Uq) -> int:
             canvas=config.canvas,
         )
         # Evaluate before anything is printed: a broken file gives one line of error and nothing else.
-        summary = _summary(config, dataset, judged)
-    except (MaskvalError, OSError, UnicodeDecodeError) as error:
+        return judged, _summary(config, dataset, judged)
+    except (MaskvalError, OSError) as error:
         raise UsageError(str(error)) from error
-    print(_HEADER)
-    for pose in judged:
-        result = pose.result
-        mask = "" if pose.mask == UNMATCHED else str(pose.mask)
-        ids = f"{result.scene_id},{result.im_id},{result.obj_id},{result.score:g}"
-        print(f"{ids},{mask},{pose.c:.6f},{pose.v:.6f},{pose.u:.6f}")
-    print()
-    print("no true poses in the data set: uncertainties only" if summary is None else summary)
-    return 0
 
 
 def _summary(config: Uq, dataset: bop.Dataset, judged: Sequence[bop.JudgedPose]) -> Summary | None:

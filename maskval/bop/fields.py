@@ -12,13 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from maskval.bop.places import Place
-from maskval.errors import InvalidFileError, MaskvalError
-from maskval.geometry import Pose
+from maskval.errors import InvalidFileError
 
 M_PER_MM = 1e-3
 _GZIP = b"\x1f\x8b"
-# Files round their numbers: a matrix this near to a rotation is made one, another is refused.
-ROUNDING = 1e-3
 
 
 class Entry:
@@ -123,32 +120,6 @@ def write_entries(path: Path, entries: dict[str, Any] | Sequence[Any]) -> None:
         lines = [f"  {json.dumps(value)}" for value in entries]
         opening, closing = "[", "]"
     path.write_text("\n".join((opening, ",\n".join(lines), closing, "")), encoding="utf-8")
-
-
-def pose_of(rotation: NDArray[np.float64], translation_mm: NDArray[np.float64], place: Place | str) -> Pose:
-    """The pose of nine numbers, row by row, and three in millimetres.
-
-    Args:
-        rotation: (9,), a rotation to 1e-3: what rounding took from it is put back.
-        translation_mm: (3,), millimetres.
-        place: Where the numbers stand, for the error.
-
-    Raises:
-        InvalidFileError: If the matrix is no rotation.
-    """
-    R = rotation.reshape(3, 3)
-    left, _, right = np.linalg.svd(R)
-    nearest = left @ right
-    try:
-        pose = Pose(nearest, translation_mm * M_PER_MM)
-    except MaskvalError as error:
-        raise InvalidFileError(f"{place}: {error}") from error
-    off = float(np.abs(nearest - R).max())
-    if off > ROUNDING:
-        raise InvalidFileError(
-            f"{place}: expected a rotation to {ROUNDING:g}, but the nearest one differs by {off:.3g}"
-        )
-    return pose
 
 
 def _shown(value: Any) -> str:

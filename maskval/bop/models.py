@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from maskval.bop.fields import M_PER_MM, Entry, pose_of, read_json, write_entries
+from maskval.bop.fields import M_PER_MM, Entry, read_json, write_entries
 from maskval.bop.ply import read_ply, write_ply
+from maskval.bop.poses import PoseReader
 from maskval.errors import InvalidFileError, MaskvalError
 from maskval.geometry import Pose
 from maskval.mesh import Mesh
@@ -54,7 +55,8 @@ def write_model(path: Path, mesh: Mesh) -> None:
 
 def read_models_info(path: Path) -> dict[int, ModelInfo]:
     """What `models_info.json` knows of each object, in metres."""
-    return {obj_id: _info(entry) for obj_id, entry in read_json(path).items()}
+    with PoseReader(path) as poses:
+        return {obj_id: _info(entry, poses) for obj_id, entry in read_json(path).items()}
 
 
 def write_models_info(path: Path, models: Mapping[int, tuple[Mesh, ModelInfo]]) -> None:
@@ -62,14 +64,14 @@ def write_models_info(path: Path, models: Mapping[int, tuple[Mesh, ModelInfo]]) 
     write_entries(path, {str(obj_id): _fields(mesh, info) for obj_id, (mesh, info) in models.items()})
 
 
-def _info(entry: Entry) -> ModelInfo:
+def _info(entry: Entry, poses: PoseReader) -> ModelInfo:
     diameter = entry["diameter"]
     if diameter.number() <= 0:
         raise diameter.error("a diameter > 0 mm")
     symmetries = []
     for symmetry in entry["symmetries_discrete"].elements() if "symmetries_discrete" in entry else ():
         X = symmetry.numbers(16).reshape(4, 4)
-        symmetries.append(pose_of(X[:3, :3].ravel(), X[:3, 3], symmetry.place))
+        symmetries.append(poses.pose(X[:3, :3].ravel(), X[:3, 3], symmetry.place))
     axes = []
     for axis in entry["symmetries_continuous"].elements() if "symmetries_continuous" in entry else ():
         direction, offset = axis["axis"].numbers(3), axis["offset"].numbers(3) * M_PER_MM

@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from maskval.bop.fields import M_PER_MM, pose_of
+from maskval.bop.fields import M_PER_MM
+from maskval.bop.poses import PoseReader
 from maskval.errors import InvalidFileError
 from maskval.geometry import Pose
 
@@ -47,25 +48,16 @@ def read_results(path: Path) -> list[PoseResult]:
     Raises:
         InvalidFileError: If a line is malformed; the message says file, line and column.
     """
-    results = []
-    for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), start=1):
-        if not line.strip() or (number == 1 and line.replace(" ", "") == ",".join(FIELDS)):
-            continue
-        fields = line.split(",")
-        if len(fields) != len(FIELDS):
-            raise InvalidFileError(
-                f"{path}:{number}:1: expected the {len(FIELDS)} fields {','.join(FIELDS)}, but found {len(fields)}"
-            )
-        # The column of each field, counted from 1 as editors do.
-        columns = np.cumsum([1] + [len(field) + 1 for field in fields])
-        places = [f"{path}:{number}:{column}" for column in columns]
-        ids = [_integer(fields[k], places[k], FIELDS[k]) for k in range(3)]
-        (score,), rotation, translation_mm, (time_s,) = (
-            _numbers(fields[k], count, places[k], FIELDS[k]) for k, count in ((3, 1), (4, 9), (5, 3), (6, 1))
-        )
-        X_CO = pose_of(rotation, translation_mm, places[4])
-        results.append(PoseResult(ids[0], ids[1], ids[2], float(score), X_CO, float(time_s)))
-    return results
+    try:
+        lines = path.read_text(encoding="utf-8").splitlines()
+    except UnicodeDecodeError as error:
+        raise InvalidFileError(f"{path}: expected text: {error}") from error
+    with PoseReader(path) as poses:
+        return [
+            _result(line, f"{path}:{number}", poses)
+            for number, line in enumerate(lines, start=1)
+            if line.strip() and not (number == 1 and line.replace(" ", "") == ",".join(FIELDS))
+        ]
 
 
 def write_results(path: Path, results: Iterable[PoseResult]) -> None:
@@ -82,6 +74,23 @@ def write_results(path: Path, results: Iterable[PoseResult]) -> None:
         ids = f"{result.scene_id},{result.im_id},{result.obj_id}"
         lines.append(f"{ids},{float(result.score)!r},{rotation},{translation},{float(result.time_s)!r}")
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def _result(line: str, place: str, poses: PoseReader) -> PoseResult:
+    fields = line.split(",")
+    if len(fields) != len(FIELDS):
+        raise InvalidFileError(
+            f"{place}:1: expected the {len(FIELDS)} fields {','.join(FIELDS)}, but found {len(fields)}"
+        )
+    # The column of each field, counted from 1 as editors do.
+    columns = np.cumsum([1] + [len(field) + 1 for field in fields])
+    places = [f"{place}:{column}" for column in columns]
+    ids = [_integer(fields[k], places[k], FIELDS[k]) for k in range(3)]
+    (score,), rotation, translation_mm, (time_s,) = (
+        _numbers(fields[k], count, places[k], FIELDS[k]) for k, count in ((3, 1), (4, 9), (5, 3), (6, 1))
+    )
+    X_CO = poses.pose(rotation, translation_mm, places[4])
+    return PoseResult(ids[0], ids[1], ids[2], float(score), X_CO, float(time_s))
 
 
 def _integer(text: str, place: str, name: str) -> int:

@@ -8,7 +8,8 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from maskval.bop.fields import M_PER_MM, Entry, pose_of, read_json, write_entries
+from maskval.bop.fields import M_PER_MM, Entry, read_json, write_entries
+from maskval.bop.poses import PoseReader
 from maskval.camera import Camera
 from maskval.errors import InvalidFileError, MaskvalError
 from maskval.geometry import Pose
@@ -81,17 +82,19 @@ class EvaluationTarget:
 
 def read_scene_camera(path: Path) -> dict[int, ImageCamera]:
     """The camera of each image of `scene_camera.json`, by image."""
-    return {im_id: _camera(entry) for im_id, entry in read_json(path).items()}
+    with PoseReader(path) as poses:
+        return {im_id: _camera(entry, poses) for im_id, entry in read_json(path).items()}
 
 
 def read_scene_gt(path: Path) -> dict[int, list[GroundTruth]]:
     """The parts of each image of `scene_gt.json`, by image, translations turned into metres."""
+    with PoseReader(path) as poses:
 
-    def part(entry: Entry) -> GroundTruth:
-        R, t = entry["cam_R_m2c"], entry["cam_t_m2c"]
-        return GroundTruth(entry["obj_id"].integer(), pose_of(R.numbers(9), t.numbers(3), R.place))
+        def part(entry: Entry) -> GroundTruth:
+            R, t = entry["cam_R_m2c"], entry["cam_t_m2c"]
+            return GroundTruth(entry["obj_id"].integer(), poses.pose(R.numbers(9), t.numbers(3), R.place))
 
-    return _lists(path, part)
+        return _lists(path, part)
 
 
 def read_scene_gt_info(path: Path) -> dict[int, list[GroundTruthInfo]]:
@@ -159,7 +162,7 @@ def write_targets(path: Path, targets: Sequence[EvaluationTarget]) -> None:
     )
 
 
-def _camera(entry: Entry) -> ImageCamera:
+def _camera(entry: Entry, poses: PoseReader) -> ImageCamera:
     K = entry["cam_K"].numbers(9).reshape(3, 3)
     try:
         Camera.from_K(K, 1, 1)
@@ -169,7 +172,7 @@ def _camera(entry: Entry) -> ImageCamera:
     if "cam_R_w2c" not in entry:
         return ImageCamera(K, scale)
     R, t = entry["cam_R_w2c"], entry["cam_t_w2c"]
-    return ImageCamera(K, scale, pose_of(R.numbers(9), t.numbers(3), R.place))
+    return ImageCamera(K, scale, poses.pose(R.numbers(9), t.numbers(3), R.place))
 
 
 def _box(entry: Entry) -> tuple[int, int, int, int]:

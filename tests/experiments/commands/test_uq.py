@@ -73,7 +73,7 @@ def replaced(path, old, new) -> None:
         ("ours_small-test.csv", "2,0,1,0.5", "2,0,1", "csv:2:1: expected the 7 fields .*, but found 6"),
         ("ours_small-test.csv", "2,0,1,0.5", "2,zero,1,0.5", "csv:2:3: expected im_id as a whole number, .* 'zero'"),
         ("ours_small-test.csv", "2,0,1,0.5,", "2,0,1,0.5,1 ", r"csv:2:11: expected R as 9 finite numbers"),
-        ("ours_small-test.csv", "2,0,1,0.5,0", "2,0,1,0.5,5", r"csv:2:11: expected a rotation to 0.001"),
+        ("ours_small-test.csv", "2,0,1,0.5,0", "2,0,1,0.5,5", r"csv:2:11: expected a rotation to 0.01,"),
         ("ours_small-test.csv", "2,0,1", "7,0,1", "expected masks of the scene 7, .* found none"),
         ("ours_small-test.csv", "2,0,1", "2,77,1", "expected the image 77, .* found 10 others"),
         ("ours_small-test.csv", "2,0,1", "2,0,9", "obj_000009.ply"),

@@ -180,7 +180,7 @@ def assert_refused(path: Path, read: Callable[[Path], object], content: str, wor
         (f"1,2,3,high,{EYE},1 2 3,-1", r"file:1:7: expected score as 1 finite numbers, but found 'high'"),
         ("1,2,3,1,1 0 0,1 2 3,-1", r"file:1:9: expected R as 9 finite numbers"),
         (f"1,2,3,1,{EYE},1 2 nan,-1", r"file:1:27: expected t as 3 finite numbers, but found '1 2 nan'"),
-        ("1,2,3,1,2 0 0 0 1 0 0 0 1,1 2 3,-1", r"file:1:9: expected a rotation to 0.001.*differs by 1"),
+        ("1,2,3,1,2 0 0 0 1 0 0 0 1,1 2 3,-1", r"file:1:9: expected a rotation to 0.01.*differs by 1"),
         ("1,2,3,1,1 0 0 0 1 0 0 0 -1,1 2 3,-1", r"file:1:9: .*determinant"),
     ],
 )
