@@ -12,7 +12,7 @@ import pyarrow.parquet as pq
 from cell.interfaces import Detection, Frame, Image
 from cell.setup import EstimatorSetup
 from experiments.errors import UsageError
-from maskval import Pose, bop, mask_from_rle, mdd
+from maskval import MaskvalError, Pose, bop, mask_from_rle, mdd
 
 LOGS = ("frames.parquet", "estimates.parquet")
 MASKS, POSES = "masks.json", ("poses.csv", "poses_2.csv")  # of one network, or of two
@@ -113,8 +113,11 @@ def _of_logs(folder: Path, setup: EstimatorSetup, method: str) -> Recording:
     frames, estimates = (_rows(folder / file, key) for file in LOGS)
     by_frame: dict[int, list[Entry]] = defaultdict(list)
     for row in estimates:
-        mask = mask_from_rle(row["mask_rle"], setup.camera.height, setup.camera.width)
-        poses = tuple(_pose(row[column]) for column in ("X_CO_est", "X_CO_est_2") if row[column] is not None)
+        try:
+            mask = mask_from_rle(row["mask_rle"], setup.camera.height, setup.camera.width)
+            poses = tuple(_pose(row[column]) for column in ("X_CO_est", "X_CO_est_2") if row[column] is not None)
+        except MaskvalError as error:
+            raise UsageError(f"{name}: frame {row['frame']}: {error}") from error
         by_frame[row["frame"]].append((Detection(mask, row["score"]), poses))
     whole = [row for row in frames if row["detections"] is not None]
     if not whole:
