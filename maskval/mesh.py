@@ -13,6 +13,8 @@ from maskval.errors import InvalidMeshError
 
 # The parts of this field are centimetres long: ten metres mean that the file was in millimetres.
 MAXIMUM_DIAMETER_M = 10.0
+# Squares of larger numbers may overflow before the diameter is known.
+MAXIMUM_PLACE_M = 1e100
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,8 +26,8 @@ class Mesh:
         faces: Indices of each triangle's corners, (F, 3), F >= 1.
 
     Raises:
-        InvalidMeshError: If a shape is wrong, a number is not finite, an index is out of range, no face has an
-            area, or the diameter exceeds 10 m.
+        InvalidMeshError: If a shape is wrong, a number is not finite or beyond 1e100, an index is out of range, no face
+            has an area, or the diameter exceeds 10 m.
     """
 
     vertices: NDArray[np.float64]
@@ -39,9 +41,13 @@ class Mesh:
             raise InvalidMeshError(f"vertices must have shape (V, 3), but have {vertices.shape}")
         if len(faces) == 0:
             raise InvalidMeshError("a mesh must have at least one face, but has none")
-        if not np.isfinite(vertices).all():
-            index = int(np.flatnonzero(~np.isfinite(vertices).all(axis=1))[0])
-            raise InvalidMeshError(f"vertices must be finite, but vertex {index} is {vertices[index].tolist()}")
+        placed = (np.abs(vertices) <= MAXIMUM_PLACE_M).all(axis=1)  # not where a number is none
+        if not placed.all():
+            index = int(np.flatnonzero(~placed)[0])
+            raise InvalidMeshError(
+                f"vertices must be finite and within {MAXIMUM_PLACE_M:g} m, but vertex {index} is "
+                f"{vertices[index].tolist()}"
+            )
         if faces.min() < 0 or faces.max() >= len(vertices):
             index = int(np.flatnonzero(((faces < 0) | (faces >= len(vertices))).any(axis=1))[0])
             raise InvalidMeshError(

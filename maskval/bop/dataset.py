@@ -10,6 +10,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from maskval.bop.detections import DetectionResult
+from maskval.bop.fields import is_whole
 from maskval.bop.images import mask_path, read_mask
 from maskval.bop.models import ModelInfo, read_model, read_models_info
 from maskval.bop.scenes import (
@@ -104,7 +105,7 @@ class Dataset:
     @property
     def scene_ids(self) -> list[int]:
         """The scenes, rising."""
-        return sorted(int(path.name) for path in (self._folder / self._split).iterdir() if path.name.isdigit())
+        return sorted(int(path.name) for path in (self._folder / self._split).iterdir() if is_whole(path.name))
 
     def scene(self, scene_id: int) -> Scene:
         """A scene, read once."""
@@ -200,7 +201,13 @@ class SceneMasks:
         if not indices:
             height, width = self._size(where.scene_id)
             return PackedMasks.pack(np.zeros((0, height, width), dtype=np.bool_))
-        return PackedMasks.pack(np.array([read_mask(self._path(scene, where.im_id, index)) for index in indices]))
+        masks = [read_mask(self._path(scene, where.im_id, index)) for index in indices]
+        sizes = {mask.shape for mask in masks}
+        if len(sizes) > 1:
+            raise InvalidFileError(
+                f"{scene.folder}: image {where.im_id}: expected masks of one size, but found {sorted(sizes)}"
+            )
+        return PackedMasks.pack(np.array(masks))
 
     def _path(self, scene: Scene, im_id: int, index: int) -> Path:
         return mask_path(scene.folder, im_id, index, visible=self._visible)

@@ -2,7 +2,7 @@
 
 import gzip
 import json
-import math
+import sys
 import zlib
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -15,6 +15,7 @@ from maskval.bop.places import Place
 from maskval.errors import InvalidFileError
 
 M_PER_MM = 1e-3
+_GREATEST = sys.float_info.max
 _GZIP = b"\x1f\x8b"
 
 
@@ -52,7 +53,7 @@ class Entry:
         if not isinstance(self.value, dict):
             raise self.error("an object of entries by their id")
         for key, value in self.value.items():
-            if not key.isdigit():
+            if not is_whole(key):
                 raise InvalidFileError(f"{self.place}: expected whole numbers as keys, but found {key!r}")
             yield int(key), Entry(value, self.place.at(key))
 
@@ -64,22 +65,28 @@ class Entry:
             yield Entry(value, self.place.at(index))
 
     def integer(self) -> int:
-        """A whole number."""
-        if isinstance(self.value, bool) or not isinstance(self.value, int):
+        """A whole number, of 64 bits."""
+        if isinstance(self.value, bool) or not isinstance(self.value, int) or not -(2**63) <= self.value < 2**63:
             raise self.error("a whole number")
         return self.value
 
     def number(self) -> float:
         """A finite number."""
-        if isinstance(self.value, bool) or not isinstance(self.value, int | float) or not math.isfinite(self.value):
+        number = self.value
+        if isinstance(number, bool) or not isinstance(number, int | float) or not -_GREATEST <= number <= _GREATEST:
             raise self.error("a finite number")
-        return float(self.value)
+        return float(number)
 
     def numbers(self, count: int) -> NDArray[np.float64]:
         """So many finite numbers."""
         if not isinstance(self.value, list) or len(self.value) != count:
             raise self.error(f"a list of {count} numbers")
         return np.array([element.number() for element in self.elements()])
+
+
+def is_whole(text: str) -> bool:
+    """Whether a text is a whole number >= 0 that 64 bits hold: at most 18 digits, and no other letters."""
+    return text.isdecimal() and len(text) <= 18
 
 
 def read_json(path: Path) -> Entry:

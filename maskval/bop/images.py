@@ -1,5 +1,6 @@
 """BOP's images: masks of 0 and 255, and depth of 16 bits in steps of `depth_scale` millimetres."""
 
+import struct
 from pathlib import Path
 from typing import Any
 
@@ -9,6 +10,9 @@ from numpy.typing import NDArray
 
 from maskval.bop.fields import M_PER_MM
 from maskval.errors import InvalidFileError
+from maskval.masks import MAXIMUM_PIXELS
+
+_PNG = b"\x89PNG\r\n\x1a\n"  # then the size of a block, IHDR, and the image's width and height
 
 
 def mask_path(scene: Path, im_id: int, part: int, *, visible: bool = True) -> Path:
@@ -70,6 +74,12 @@ def write_depth(path: Path, depth: NDArray[Any], depth_scale: float = 1.0) -> No
 def _read(path: Path) -> NDArray[Any]:
     if not path.is_file():
         raise FileNotFoundError(f"{path} is no file")
+    with path.open("rb") as file:
+        header = file.read(24)
+    if header.startswith(_PNG) and len(header) == 24:
+        width, height = struct.unpack(">II", header[16:])
+        if width * height > MAXIMUM_PIXELS:
+            raise InvalidFileError(f"{path}: expected at most {MAXIMUM_PIXELS} pixels, but found {width} x {height}")
     image: NDArray[Any] | None = cv2.imread(str(path), cv2.IMREAD_UNCHANGED)
     if image is None:
         raise InvalidFileError(f"{path}: expected an image, but it cannot be read as one")

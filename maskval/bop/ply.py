@@ -1,5 +1,6 @@
 """The vertices and triangles of a PLY file, text or binary; colours, normals and textures are passed over."""
 
+from array import array
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -7,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from maskval.bop.fields import is_whole
 from maskval.errors import InvalidFileError
 
 TYPES = {
@@ -66,6 +68,8 @@ def read_ply(path: Path) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     indices = next((face[name] for name in INDEX_NAMES if name in face), None)
     if missing or indices is None:
         raise InvalidFileError(f"{path}: expected x, y, z and vertex_indices, but found {[*vertex, *face]}")
+    if not ((np.abs(indices.astype(np.float64)) < 2**31) & (indices == np.floor(indices))).all():
+        raise InvalidFileError(f"{path}: expected whole numbers below 2^31 as vertex_indices")
     return np.stack([vertex[axis] for axis in "xyz"], axis=1).astype(np.float64), indices.astype(np.int64)
 
 
@@ -91,19 +95,22 @@ def _header(path: Path, content: bytes) -> tuple[str, list[_Element], int, int]:
     end = content.find(b"end_header")
     if not content.startswith(b"ply") or end < 0:
         raise InvalidFileError(f"{path}:1:1: expected a PLY file, from 'ply' to 'end_header'")
-    start = content.index(b"\n", end) + 1
-    order, elements = None, []
+    start = content.find(b"\n", end) + 1 or len(content)
+    order = None
+    elements: list[_Element] = []
     lines = content[:end].decode("ascii", errors="replace").splitlines()
     for number, line in enumerate(lines[1:], start=2):
         words = line.split()
         match words:
             case ["format", name, _] if name in ORDERS:
                 order = ORDERS[name]
-            case ["element", name, count] if count.isdigit():
+            case ["element", name, count] if is_whole(count) and name not in {known.name for known in elements}:
                 elements.append(_Element(name, int(count), []))
-            case ["property", "list", counted_by, kind, name] if elements and {counted_by, kind} <= TYPES.keys():
+            case ["property", "list", counted_by, kind, name] if {counted_by, kind} <= TYPES.keys() and _new(
+                name, elements
+            ):
                 elements[-1].properties.append(_Property(name, TYPES[kind], TYPES[counted_by]))
-            case ["property", kind, name] if elements and kind in TYPES:
+            case ["property", kind, name] if kind in TYPES and _new(name, elements):
                 elements[-1].properties.append(_Property(name, TYPES[kind], None))
             case ["comment" | "obj_info", *_] | []:
                 pass
@@ -112,6 +119,11 @@ def _header(path: Path, content: bytes) -> tuple[str, list[_Element], int, int]:
     if order is None:
         raise InvalidFileError(f"{path}:2:1: expected a format, one of {sorted(ORDERS)}")
     return order, elements, start, len(lines) + 2
+
+
+def _new(name: str, elements: list[_Element]) -> bool:
+    """Whether the element that the header is at lacks a property."""
+    return bool(elements) and name not in {known.name for known in elements[-1].properties}
 
 
 def _width(path: Path, element: _Element, prop: _Property) -> int:
@@ -172,21 +184,24 @@ def _text_tables(path: Path, content: bytes, line: int, elements: list[_Element]
 
 
 def _numbers(path: Path, lines: list[str], line: int, element: _Element, columns: int) -> NDArray[np.float64]:
-    """The numbers of an element's lines, (rows, columns)."""
-    numbers = np.empty((element.rows, columns))
-    for index in range(element.rows):
+    """The numbers of an element's lines, (rows, columns).
+
+    What is allocated grows with what is there: the header may promise anything.
+    """
+    numbers = array("d")
+    for index in range(min(element.rows, len(lines) + 1)):
         words = lines[index].split() if index < len(lines) else []
         try:
             row = [float(word) for word in words]
         except ValueError:
             row = []
-        if len(row) != columns:
+        if len(row) != columns or index == len(lines):
             raise InvalidFileError(
                 f"{path}:{line + index}:1: expected {columns} numbers of {element.name} {index}, "
                 f"but found {' '.join(words)[:40]!r}"
             )
-        numbers[index] = row
-    return numbers
+        numbers.extend(row)
+    return np.array(numbers).reshape(element.rows, columns)
 
 
 def _line_places(path: Path, first: int) -> Callable[[int], str]:

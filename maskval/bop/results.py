@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from maskval.bop.fields import M_PER_MM
+from maskval.bop.fields import M_PER_MM, is_whole
 from maskval.bop.poses import PoseReader
 from maskval.errors import InvalidFileError
 from maskval.geometry import Pose
@@ -94,7 +94,7 @@ def _result(line: str, place: str, poses: PoseReader) -> PoseResult:
 
 
 def _integer(text: str, place: str, name: str) -> int:
-    if not text.strip().isdigit():
+    if not is_whole(text.strip()):
         raise InvalidFileError(f"{place}: expected {name} as a whole number, but found {text.strip()!r}")
     return int(text)
 
