@@ -1,8 +1,10 @@
 """Parts as data: one TOML file per kind, checked on the way in, with everything that physics needs to know of it."""
 
+import io
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -12,7 +14,8 @@ import trimesh
 from numpy.typing import NDArray
 
 from cell.part import Grasp, Part
-from maskval import MaskvalError, Mesh, Pose
+from maskval import InvalidFileError, MaskvalError, Mesh, Pose
+from maskval.input_files import MOST_MESH, read_input, read_input_text
 from sim.errors import PartFileError
 from sim.model.part_shapes import Curves, bow_curves, convex_pieces, fin_curves, join
 
@@ -29,6 +32,9 @@ class RestingPose:
     rotation: NDArray[np.float64]
     height: float
     probability: float
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "rotation", _frozen(self.rotation))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -47,6 +53,12 @@ class PartModel:
     resting_poses: tuple[RestingPose, ...]
     noise: str
 
+    def __post_init__(self) -> None:
+        for name in ("center_of_mass", "inertia"):
+            object.__setattr__(self, name, _frozen(getattr(self, name)))
+        for piece in self.pieces:
+            piece.mutable = False  # trimesh then refuses whatever would change it
+
 
 def part_names() -> list[str]:
     """Names of the parts that come with the package."""
@@ -54,16 +66,17 @@ def part_names() -> list[str]:
 
 
 def load_part(name_or_file: str) -> PartModel:
-    """The part of this name, or of this TOML file.
+    """The part of this name, or of this TOML file; the same one again while its files stay as they are.
 
     Raises:
         PartFileError: no such part, or its file or mesh is unfit; the message says why.
     """
     if name_or_file.endswith(".toml"):
         path = Path(name_or_file)
-        if not path.is_file():
-            raise PartFileError(f"part file {name_or_file} does not exist")
-        return _read(path.read_text(), path.parent, name_or_file)
+        try:
+            return _read(read_input_text(path), path.parent, name_or_file)
+        except InvalidFileError as error:
+            raise PartFileError(f"part file {error}") from error
     if name_or_file not in part_names():
         raise PartFileError(
             f"unknown object {name_or_file!r}: expected one of {', '.join(part_names())}, or the path of a .toml file"
@@ -73,15 +86,19 @@ def load_part(name_or_file: str) -> PartModel:
 
 def _read(text: str, folder: Path, source: str) -> PartModel:
     try:
-        return _build(tomllib.loads(text), folder, source)
+        shape = tomllib.loads(text)["mesh"]
+        names = [shape["file"], *shape.get("pieces", ())] if "generator" not in shape else []
+        return _build(text, tuple((name, read_input(folder / name, MOST_MESH)) for name in names), source)
     except KeyError as missing:
         raise PartFileError(f"{source}: the key {missing} is missing") from missing
     except (tomllib.TOMLDecodeError, MaskvalError, TypeError, ValueError) as error:
         raise error if isinstance(error, PartFileError) else PartFileError(f"{source}: {error}") from error
 
 
-def _build(table: dict[str, Any], folder: Path, source: str) -> PartModel:
-    mesh, pieces = _shape(table["mesh"], folder)
+@lru_cache(maxsize=16)  # by all that a part is made from: a tenth of a second goes into its resting poses and hulls
+def _build(text: str, meshes: tuple[tuple[str, bytes], ...], source: str) -> PartModel:
+    table = tomllib.loads(text)
+    mesh, pieces = _shape(table["mesh"], dict(meshes))
     check_mesh(mesh, source)
     mass = _positive("mass_kg", table["mass_kg"])
     mesh.density = mass / mesh.volume
@@ -107,6 +124,12 @@ def _build(table: dict[str, Any], folder: Path, source: str) -> PartModel:
     )
 
 
+def _frozen(array: NDArray[np.float64]) -> NDArray[np.float64]:
+    copied = np.array(array)
+    copied.flags.writeable = False
+    return copied
+
+
 def _positive(key: str, value: float) -> float:
     if not value > 0:
         raise ValueError(f"expected {key} above 0, got {value:g}")
@@ -120,7 +143,7 @@ def _vector(key: str, values: Any, length: int) -> NDArray[np.float64]:
     return array
 
 
-def _shape(table: dict[str, Any], folder: Path) -> tuple[trimesh.Trimesh, tuple[trimesh.Trimesh, ...]]:
+def _shape(table: dict[str, Any], meshes: Mapping[str, bytes]) -> tuple[trimesh.Trimesh, tuple[trimesh.Trimesh, ...]]:
     """The surface and its convex pieces, from a generator or from mesh files beside the TOML file."""
     generator = table.get("generator")
     if generator is not None:
@@ -128,18 +151,23 @@ def _shape(table: dict[str, Any], folder: Path) -> tuple[trimesh.Trimesh, tuple[
             raise ValueError(f"mesh.generator is {generator!r}, expected one of {', '.join(_GENERATORS)}")
         curves = _GENERATORS[generator](**{key: value for key, value in table.items() if key != "generator"})
         return join(curves), convex_pieces(curves)
-    surface = _read_mesh(folder / table["file"])
+    surface = _mesh(table["file"], meshes)
     if "pieces" not in table:
         return surface, (surface.convex_hull,)
-    return surface, tuple(_read_mesh(folder / name).convex_hull for name in table["pieces"])
+    return surface, tuple(_mesh(name, meshes).convex_hull for name in table["pieces"])
 
 
-def _read_mesh(path: Path) -> trimesh.Trimesh:
-    if not path.is_file():
-        raise ValueError(f"mesh file {path} does not exist")
-    loaded = trimesh.load(path, force="mesh")
+def _mesh(name: str, meshes: Mapping[str, bytes]) -> trimesh.Trimesh:
+    """The mesh of a file, which holds all of it: no other file is opened."""
+    kind = Path(name).suffix.removeprefix(".")
+    try:
+        loaded = trimesh.load(io.BytesIO(meshes[name]), file_type=kind, force="mesh")
+    except Exception as error:  # trimesh's readers raise whatever they stumble over
+        raise ValueError(
+            f"mesh file {name}: expected one file with the whole mesh, .stl, .ply, .obj or .glb: {error}"
+        ) from error
     if not isinstance(loaded, trimesh.Trimesh) or len(loaded.faces) == 0:
-        raise ValueError(f"mesh file {path} has no triangles")
+        raise ValueError(f"mesh file {name} has no triangles")
     return loaded
 
 
