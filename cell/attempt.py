@@ -95,7 +95,7 @@ class Attempt:
         return self._motion.meeting_time(lambda start: self._joints_to_begin(plan, start))
 
     def _joints_to_begin(self, plan: GraspPlan, start: float) -> Array:
-        """Joint angles where tracking the belt starts, at a time (s); raises Unreachable if it would leave the arm's reach."""
+        """Joint angles where tracking the belt starts, at a time (s); raises Unreachable beyond the arm's reach."""
         carried, seen_at, layout = self._motion.carried, self._seen_at, self._motion.layout
         y_W = (layout.X_WB @ carried(plan.X_BT_before, seen_at, start)).translation[1]
         if y_W > layout.belt.loading_length / 2:

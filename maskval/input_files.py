@@ -7,6 +7,7 @@ from pathlib import Path
 from maskval.errors import InvalidFileError
 
 MOST_TEXT = 64 * 2**20  # bytes; the largest text of the package has 100 kB
+MOST_RESULTS = 2 * 2**30  # bytes of BOP's results files, which hold all images of a split
 MOST_MESH = 512 * 2**20  # bytes; ten million triangles as STL
 
 _KINDS = {

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from itertools import permutations, product
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from maskval.errors import InvalidPoseError
 from maskval.geometry import Pose
@@ -63,7 +63,7 @@ def right_angle_symmetries(mesh: Mesh) -> tuple[Pose, ...]:
     """
     middle = mesh.center
     points = mesh.vertices - middle
-    tree = cKDTree(points)
+    tree = scipy.spatial.cKDTree(points)
     found = []
     for order in permutations(range(3)):
         for signs in product((1.0, -1.0), repeat=3):

@@ -11,6 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from experiments.errors import UsageError
+from maskval import InvalidFileError
+from maskval.input_files import read_input_text
 from sim.errors import NoiseFileError
 from sim.networks.noise_model import PartNoise, bounds
 
@@ -167,9 +169,9 @@ def _read(name_or_file: str) -> str:
             )
         return (_FOLDER / f"{name_or_file}.toml").read_text(encoding="utf-8")
     try:
-        return Path(name_or_file).read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise UsageError(f"calibration file {name_or_file} cannot be read: {error}") from error
+        return read_input_text(Path(name_or_file))
+    except InvalidFileError as error:
+        raise UsageError(f"calibration file {error}") from error
 
 
 def _coordinate(value: float, low: float, high: float) -> float:

@@ -12,6 +12,7 @@ import numpy as np
 
 from experiments.errors import UsageError
 from maskval import UNMATCHED, InexactRotationWarning, MaskvalError, Summary, bop, summarise
+from maskval.input_files import MOST_RESULTS, check_input
 
 _HEADER = "scene_id,im_id,obj_id,score,mask,c,v,u"
 
@@ -80,7 +81,7 @@ def _judge(config: Uq) -> tuple[list[bop.JudgedPose], Summary | None]:
         dataset = bop.Dataset(config.dataset, config.split)
         judged = bop.judge_results(
             dataset,
-            bop.read_results(config.results),
+            bop.read_results(check_input(config.results, MOST_RESULTS)),
             _masks(config, dataset),
             association=config.association,
             alpha=config.alpha,
@@ -110,7 +111,7 @@ def _masks(config: Uq, dataset: bop.Dataset) -> bop.MaskSource:
         return bop.SceneMasks(dataset, visible=config.masks == "mask_visib")
     if not config.masks.endswith((".json", ".json.gz")):
         raise UsageError(f"expected --masks as a .json or .json.gz file, mask_visib or mask, got {config.masks}")
-    return bop.DetectedMasks(bop.read_detections(Path(config.masks)))
+    return bop.DetectedMasks(bop.read_detections(check_input(Path(config.masks), MOST_RESULTS)))
 
 
 def _check(config: Uq) -> None:

@@ -12,6 +12,8 @@ from importlib.resources import files
 from pathlib import Path
 
 from experiments.errors import UsageError
+from maskval import InvalidFileError
+from maskval.input_files import read_input_text
 from sim.networks.noise_model import PartNoise
 
 _PRESETS = files("experiments") / "presets" / "gaps"
@@ -101,15 +103,16 @@ def load_gaps(part: str, source: str) -> list[Gap]:
     """
     if source == "none":
         return [Gap()]
-    path = _PRESETS / f"{part}.json" if source == "fitted" else Path(source)
+    path = Path(str(_PRESETS / f"{part}.json")) if source == "fitted" else Path(source)
     try:
-        found = json.loads(path.read_text(encoding="utf-8"))
+        found = json.loads(read_input_text(path))
         if found["object"] != part:
             raise UsageError(f"the gap {source} is of {found['object']}, but the part is {part}")
         gaps = [Gap(**row) for row in found["draws"]]
-    except OSError as error:
+    except InvalidFileError as error:
         raise UsageError(
-            f"no gap for {part} in {source}: expected none, fitted, or a gap.json of `graspcell gap --part {part}`"
+            f"no gap for {part} in {source}: expected none, fitted, or a gap.json of `graspcell gap --part {part}`: "
+            f"{error}"
         ) from error
     except (ValueError, KeyError, TypeError) as error:
         raise UsageError(f"the gap {source} is malformed: {type(error).__name__}: {error}") from error

@@ -13,6 +13,7 @@ from cell.interfaces import Detection, Frame, Image
 from cell.setup import EstimatorSetup
 from experiments.errors import UsageError
 from maskval import MaskvalError, Pose, bop, mask_from_rle, mdd
+from maskval.input_files import MOST_RESULTS, check_input
 
 LOGS = ("frames.parquet", "estimates.parquet")
 MASKS, POSES = "masks.json", ("poses.csv", "poses_2.csv")  # of one network, or of two
@@ -129,9 +130,9 @@ def _of_logs(folder: Path, setup: EstimatorSetup, method: str) -> Recording:
 
 def _of_bop(folder: Path, setup: EstimatorSetup) -> Recording:
     """Scene is the experiment, image the frame; detection i and pose i of an image belong together, in file order."""
-    files = [folder / file for file in POSES if (folder / file).is_file()]
+    files = [check_input(folder / file, MOST_RESULTS) for file in POSES if (folder / file).is_file()]
     name = f"{folder}, scene {setup.experiment}"
-    found = _by_image(bop.read_detections(folder / MASKS), setup.experiment)
+    found = _by_image(bop.read_detections(check_input(folder / MASKS, MOST_RESULTS)), setup.experiment)
     networks = [_by_image(bop.read_results(file), setup.experiment) for file in files]
     if not found:
         raise UsageError(f"{name}: nothing recorded")
@@ -168,7 +169,7 @@ def _by_image(rows: Iterable[Row], scene: int) -> dict[int, list[Row]]:
 def _rows(file: Path, key: dict[str, object]) -> list[dict[str, Any]]:
     try:
         rows: list[dict[str, Any]] = pq.read_table(
-            file, filters=[(name, "==", value) for name, value in key.items()]
+            check_input(file), filters=[(name, "==", value) for name, value in key.items()]
         ).to_pylist()
     except (OSError, ValueError) as error:
         raise UsageError(f"{file}: expected a log of compare or run: {error}") from error

@@ -8,6 +8,8 @@ from pathlib import Path
 from typing import Any, Self
 
 from experiments.errors import UsageError
+from maskval import InvalidFileError
+from maskval.input_files import read_input_text
 from maskval.methods.ensemble import ENSEMBLE_MAXIMUM_M
 
 _PRESETS = files("experiments") / "presets"
@@ -95,13 +97,10 @@ def load_thresholds(name_or_file: str) -> Thresholds:
         UsageError: there is no such preset or file, or it is malformed.
     """
     if name_or_file.endswith(".toml"):
-        path = Path(name_or_file)
-        if not path.is_file():
-            raise UsageError(f"threshold file {name_or_file} does not exist")
         try:
-            text = path.read_text(encoding="utf-8")
-        except (OSError, UnicodeDecodeError) as error:
-            raise UsageError(f"threshold file {name_or_file} cannot be read: {error}") from error
+            text = read_input_text(Path(name_or_file))
+        except InvalidFileError as error:
+            raise UsageError(f"threshold file {error}") from error
     else:
         known = sorted(Path(entry.name).stem for entry in _PRESETS.iterdir() if entry.name.endswith(".toml"))
         if name_or_file not in known:

@@ -12,6 +12,8 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any, TypeVar
 
+from maskval import InvalidFileError
+from maskval.input_files import read_input_text
 from sim.errors import NoiseFileError
 
 _NOISE_FOLDER = files("sim") / "assets" / "noise"
@@ -197,13 +199,10 @@ def noise_text(name_or_file: str) -> str:
         NoiseFileError: there is none, or it cannot be read.
     """
     if name_or_file.endswith(".toml"):
-        path = Path(name_or_file)
-        if not path.is_file():
-            raise NoiseFileError(f"noise file {name_or_file} does not exist")
         try:
-            return path.read_text(encoding="utf-8")
-        except (OSError, UnicodeDecodeError) as error:
-            raise NoiseFileError(f"{name_or_file}: cannot be read: {error}") from error
+            return read_input_text(Path(name_or_file))
+        except InvalidFileError as error:
+            raise NoiseFileError(f"noise file {error}") from error
     if name_or_file not in noise_names():
         raise NoiseFileError(
             f"unknown noise {name_or_file!r}: expected one of {', '.join(noise_names())}, or the path of a .toml file"

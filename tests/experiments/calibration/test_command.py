@@ -112,7 +112,7 @@ def test_a_figure_that_does_not_exist_misses_by_the_most() -> None:
     [
         (["--part", "brick"], "unknown object 'brick'"),
         (["--targets", "brick"], "no calibration for 'brick'"),
-        (["--targets", "none.toml"], "calibration file none.toml cannot be read"),
+        (["--targets", "none.toml"], "calibration file none.toml does not exist"),
         (["--images", "0"], "expected --images of at least 1"),
         (["--rounds", "0"], "expected --rounds of at least 1"),
     ],

@@ -73,7 +73,7 @@ def test_unknown_models_and_missing_files_are_refused_with_what_is_there(tmp_pat
     with pytest.raises(NoiseFileError, match=r"noise file .*bolt.toml does not exist"):
         load_noise(str(tmp_path / "bolt.toml"))
     (tmp_path / "picture.toml").write_bytes(b"\xff\xd8\xff")
-    with pytest.raises(NoiseFileError, match=r"picture.toml: cannot be read: "):
+    with pytest.raises(NoiseFileError, match=r"picture.toml cannot be read: "):
         load_noise(str(tmp_path / "picture.toml"))
 
 
