@@ -15,6 +15,7 @@ from experiments.calibration.images import ErrorModelTrial, ImageSet, run_trial
 from experiments.calibration.noise_file import rewrite
 from experiments.calibration.report import Fitted, Member, as_json, format_report
 from experiments.calibration.targets import GROUPS, Calibration, FitTarget, Prior, load_calibration, values_at
+from experiments.result_files import write_text
 from experiments.results.provenance import manifest, write_json
 from experiments.setup.checks import writable_folder
 from experiments.setup.pool import Run, workers
@@ -45,7 +46,7 @@ def calibrate(config: Calibrate) -> int:
     with workers(config.workers) as run, tqdm(unit="trial", dynamic_ncols=True) as progress:
         bench = _Bench(run, ImageSet(config.part, config.seed, config.images), progress)
         fitted = _fit(bench, calibration, noise, config)
-    (folder / "noise.toml").write_text(rewrite(noise_text(start), fitted.lines()), encoding="utf-8")
+    write_text(folder / "noise.toml", rewrite(noise_text(start), fitted.lines()))
     write_json(folder / "ensemble.json", [member.values for member in fitted.members if member.accepted])
     write_json(folder / "calibration.json", as_json(model.part.name, config.images, fitted))
     write_json(folder / "manifest.json", {**manifest(config), "seed": config.seed})

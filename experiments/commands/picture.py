@@ -1,10 +1,15 @@
 """`graspcell picture`: what the cell looks like, from beside it or from the wrist."""
 
+from pathlib import Path
+
 import cv2
+import numpy as np
+from numpy.typing import NDArray
 
 from cell.records import TimeSlot, Transition
 from experiments.commands.config import Picture
 from experiments.errors import UsageError
+from experiments.result_files import replacing
 from experiments.setup.checks import writable_folder
 from experiments.setup.experiment import ExperimentSpec, run_experiment
 from sim.errors import MeshesMissingError
@@ -14,7 +19,8 @@ from sim.runtime.episode import SimCell, build_cell
 
 
 class _Taken(Exception):  # noqa: N818  # ends the experiment once the picture is taken
-    pass
+    def __init__(self, image: NDArray[np.uint8]) -> None:
+        self.image = image
 
 
 def picture(config: Picture) -> int:
@@ -25,6 +31,8 @@ def picture(config: Picture) -> int:
     """
     spec = config.spec()
     writable_folder(config.out.parent)
+    if config.out.is_dir():
+        raise UsageError(f"cannot write {config.out}: expected the name of a picture, got a folder")
     placed = 0
     cell = _build(spec)
 
@@ -33,12 +41,12 @@ def picture(config: Picture) -> int:
         if isinstance(record, TimeSlot):
             placed += 1
         if isinstance(record, Transition) and record.target == config.state and placed >= config.after:
-            _take(cell, config)
-            raise _Taken
+            raise _Taken(_take(cell, config))
 
     try:
         run_experiment(spec, tell, cell)
-    except _Taken:
+    except _Taken as taken:
+        _write(config.out, taken.image)
         print(f"picture in {config.out}")
         return 0
     raise UsageError(f"the experiment never came to the state {config.state!r} after {config.after} parts")
@@ -51,13 +59,18 @@ def _build(spec: ExperimentSpec) -> SimCell:
         raise UsageError(str(error)) from error
 
 
-def _take(cell: SimCell, config: Picture) -> None:
+def _take(cell: SimCell, config: Picture) -> NDArray[np.uint8]:
     world = cell.world
     width, height = config.size
     renderer = Renderer(world.mj_model, height, width)
     try:
         renderer.rgb(world.data, config.camera)  # the first frame's shadows may differ by a grey level
-        image = renderer.rgb(world.data, config.camera)
+        return renderer.rgb(world.data, config.camera)
     finally:
         renderer.close()
-    cv2.imwrite(str(config.out), image[..., ::-1])
+
+
+def _write(path: Path, image: NDArray[np.uint8]) -> None:
+    _, encoded = cv2.imencode(path.suffix, image[..., ::-1])
+    with replacing(path) as file:
+        file.write(encoded.tobytes())

@@ -12,6 +12,7 @@ from experiments.dataset.metrics import Figures
 from experiments.dataset.report import format_alternatives, format_tables
 from experiments.dataset.score import Scored, alternatives, score
 from experiments.dataset.thresholds import thresholds_toml
+from experiments.result_files import write_text
 from experiments.results.provenance import manifest, write_json
 from experiments.setup.checks import writable_folder
 from experiments.setup.pool import run_all
@@ -36,7 +37,7 @@ def dataset(config: Dataset) -> int:
         if config.alternatives:
             others[name] = alternatives(judged)
     write_json(folder / "dataset.json", {"objects": [one.as_json() for one in sets]})
-    (folder / "thresholds.toml").write_text(thresholds_toml(sets, config.command), encoding="utf-8")
+    write_text(folder / "thresholds.toml", thresholds_toml(sets, config.command))
     write_json(folder / "manifest.json", {**manifest(config), "seed": config.seed, "recipe": Recipe()})
     if config.figures:
         from experiments.dataset.figures import draw_curves, draw_errors  # noqa: PLC0415  # needs an extra

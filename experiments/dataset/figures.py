@@ -9,6 +9,7 @@ import numpy as np
 from experiments.dataset.metrics import ERRORS_M
 from experiments.dataset.score import Scored
 from experiments.errors import UsageError
+from experiments.result_files import replacing
 
 _SHOWN_M = 0.1  # larger errors are drawn as this one: a few metres would hide all others
 
@@ -40,7 +41,8 @@ def draw_curves(sets: Sequence[Scored], path: Path) -> None:
         axes.grid(alpha=0.3)
     panels[0].set_ylabel("recall at AP ≥ 99 %, %")
     figure.legend(*panels[0].get_legend_handles_labels(), loc="outside right center", fontsize="small")
-    figure.savefig(path, dpi=110)
+    with replacing(path) as file:
+        figure.savefig(file, format="png", dpi=110)
 
 
 def draw_errors(sets: Sequence[Scored], path: Path) -> None:
@@ -57,7 +59,8 @@ def draw_errors(sets: Sequence[Scored], path: Path) -> None:
     axes.set(ylabel=f"pose error MDD, mm (at most {1e3 * _SHOWN_M:g})", ylim=(0, None))
     axes.set_xticks(range(len(drawn)), [one.object for one in drawn])
     axes.grid(axis="y", alpha=0.3)
-    figure.savefig(path, dpi=110)
+    with replacing(path) as file:
+        figure.savefig(file, format="png", dpi=110)
 
 
 def colors(count: int) -> list[str]:

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from experiments.errors import UsageError
+from experiments.result_files import replacing
 from experiments.results.tolerance_curve import CurvePoint
 
 
@@ -29,4 +30,5 @@ def draw_tolerance(levels: Sequence[CurvePoint], path: Path) -> None:
     axes.set(xlabel="pose error MDD, mm", ylabel="parts placed, %", ylim=(-2, 102))
     axes.grid(alpha=0.3)
     axes.legend()
-    figure.savefig(path, dpi=110)
+    with replacing(path) as file:
+        figure.savefig(file, format="png", dpi=110)

@@ -8,6 +8,8 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
+from experiments.result_files import write_text
+
 _PACKAGES = (
     "graspcell",
     "mujoco",
@@ -35,8 +37,12 @@ def manifest(config: object) -> dict[str, Any]:
 
 
 def write_json(path: Path, content: object) -> None:
-    """Writes UTF-8 JSON with a final newline; refuses NaN, which JSON does not know."""
-    path.write_text(json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False, default=_plain) + "\n")
+    """Writes UTF-8 JSON with a final newline; refuses NaN, which JSON does not know.
+
+    Raises:
+        UsageError: it cannot be written.
+    """
+    write_text(path, json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False, default=_plain) + "\n")
 
 
 def _plain(value: object) -> Any:

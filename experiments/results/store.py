@@ -8,6 +8,8 @@ from typing import Any, Self
 import pyarrow as pa
 import pyarrow.parquet as pq
 
+from experiments.result_files import Aside
+
 Row = Mapping[str, Any]
 Tables = Mapping[str, Iterable[Row]]
 
@@ -128,9 +130,9 @@ class LogWriter:
     """
 
     def __init__(self, folder: Path) -> None:
-        self._asides = {folder / f".{name}.parquet.part": folder / f"{name}.parquet" for name in SCHEMAS}
+        self._asides = [Aside(folder / f"{name}.parquet") for name in SCHEMAS]
         self._writers = {
-            name: pq.ParquetWriter(aside, schema)
+            name: pq.ParquetWriter(aside.file, schema)
             for aside, (name, schema) in zip(self._asides, SCHEMAS.items(), strict=True)
         }
         self._empty = True
@@ -154,10 +156,12 @@ class LogWriter:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
     ) -> None:
-        for writer in self._writers.values():
-            writer.close()
-        for aside, file in self._asides.items():
-            if self._empty and error is not None:
-                aside.unlink()
-            else:
-                aside.replace(file)
+        try:
+            for writer in self._writers.values():
+                writer.close()
+            if error is None or not self._empty:
+                for aside in self._asides:
+                    aside.keep()
+        finally:
+            for aside in self._asides:
+                aside.drop()

@@ -4,6 +4,7 @@
 
 import os
 from pathlib import Path
+from tempfile import TemporaryFile
 from typing import TYPE_CHECKING
 
 from experiments.errors import UsageError
@@ -68,11 +69,9 @@ def writable_folder(folder: Path) -> Path:
     Raises:
         UsageError: it cannot be written to.
     """
-    probe = folder / ".graspcell-probe"
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        probe.touch()
-        probe.unlink()
+        TemporaryFile(dir=folder).close()
     except OSError as error:
         raise UsageError(f"cannot write to {folder}: {error.strerror or error}; expected a writable folder") from error
     return folder

@@ -133,10 +133,10 @@ def test_a_folder_that_cannot_be_written_to_is_refused(
 def test_a_folder_without_permission_is_refused(
     capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def refuse(self: Path, **_: object) -> None:
-        raise PermissionError(13, "Permission denied", str(self))
+    def refuse(dir: Path) -> None:
+        raise PermissionError(13, "Permission denied", str(dir))
 
-    monkeypatch.setattr(Path, "touch", refuse)  # the superuser may write anywhere
+    monkeypatch.setattr("experiments.setup.checks.TemporaryFile", refuse)  # the superuser may write anywhere
     told = command(capsys, "compare", "--out", tmp_path)
     assert (told.code, is_one_line(told)) == (2, True)
     assert f"cannot write to {tmp_path}: Permission denied" in told.err
