@@ -63,6 +63,7 @@ class Compare:
         Raises:
             UsageError: an argument that cannot be.
         """
+        from experiments.setup.estimators import check_not_recorded
         from experiments.setup.experiment import ExperimentSpec
         from experiments.setup.methods import named_methods
         from experiments.setup.thresholds import load_thresholds
@@ -81,6 +82,7 @@ class Compare:
             raise UsageError(f"--objects has files of the same part name: {' '.join(self.objects)}")
         for part, method in product(self.objects, methods):
             self.actors.check(part, method, thresholds)
+        check_not_recorded(self.out, self.actors.recorded)
         return [
             ExperimentSpec(
                 part=part,
@@ -149,6 +151,7 @@ class Run:
         Raises:
             UsageError: an argument that cannot be.
         """
+        from experiments.setup.estimators import check_not_recorded
         from experiments.setup.experiment import ExperimentSpec
         from experiments.setup.thresholds import load_thresholds
 
@@ -158,6 +161,8 @@ class Run:
         thresholds = load_thresholds(self.thresholds).with_told(told, (self.method,))
         check_part_and_method(self.object, self.method, thresholds)
         self.actors.check(self.object, self.method, thresholds)
+        if self.out is not None:
+            check_not_recorded(self.out, self.actors.recorded)
         return ExperimentSpec(
             part=self.object,
             method=self.method,

@@ -25,6 +25,14 @@ def check_estimator(name: str, recorded: Path | None) -> None:
         raise UsageError(f"--recorded {recorded}: there is no such folder")
 
 
+def check_not_recorded(out: Path, recorded: Path | None) -> None:
+    """Raises UsageError if results in `out` would replace the recording that is replayed, through links too."""
+    if recorded is None:
+        return
+    if out.resolve() in {recorded.resolve(), *(file.resolve().parent for file in recorded.iterdir())}:
+        raise UsageError(f"--out {out} would replace the recording in {recorded}: expected another folder")
+
+
 def choose_estimators(
     name: str, setup: EstimatorSetup, recorded: Path | None, method: str, time_limit: float
 ) -> Kind | Estimators:
