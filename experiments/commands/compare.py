@@ -41,6 +41,10 @@ def compare(config: Compare) -> int:
     specs = config.specs()
     folder = writable_folder(config.out)
     results, ended_early = _run(specs, config.workers, folder)
+    if ended_early is not None and not results:
+        reason, code = ended_early
+        print(f"{reason} after 0 of {len(specs)} experiments; {folder} is as it was")
+        return code
     cells, pairs = make_cells(specs, results), make_pairs(specs, results)
     write_json(
         folder / "table.json",
@@ -80,8 +84,19 @@ def _run(
 ) -> tuple[list[ExperimentResult], tuple[str, int] | None]:
     """Runs the experiments and writes their logs; what is finished, and what ended it early with which exit code."""
     results: list[ExperimentResult] = []
+    try:
+        with LogWriter(folder) as logs:  # hears of what ends it: without a result, the earlier logs stay
+            _write_all(specs, workers, logs, results)
+    except KeyboardInterrupt:
+        return results, ("interrupted", INTERRUPTED)
+    except BrokenProcessPool:
+        return results, ("a worker process died (out of memory?); ended", WORKER_DIED)
+    return results, None
+
+
+def _write_all(specs: Sequence[ExperimentSpec], workers: int, logs: LogWriter, results: list[ExperimentResult]) -> None:
+    """Runs the experiments; each that is finished is written and kept without its rows."""
     with (
-        LogWriter(folder) as logs,
         tqdm(total=len(specs), unit="experiment", dynamic_ncols=True) as progress,
         closing(run_all(run_experiment, specs, workers)) as stream,
     ):
@@ -91,14 +106,9 @@ def _run(
                 results.append(replace(result, tables={}))
                 progress.set_postfix_str(f"{result.spec.part} × {result.spec.method}", refresh=False)
                 progress.update()
-        except KeyboardInterrupt:
-            return results, ("interrupted", INTERRUPTED)
-        except BrokenProcessPool:
-            return results, ("a worker process died (out of memory?); ended", WORKER_DIED)
         except SimError:
             progress.leave = False  # the error shall be the only line
             raise
-    return results, None
 
 
 def make_cells(specs: Sequence[ExperimentSpec], results: Sequence[ExperimentResult]) -> list[Cell]:
