@@ -2,29 +2,30 @@
 
 import contextlib
 import dataclasses
+import functools
 import importlib
 import io
+import operator
 import re
 import sys
-from collections.abc import Callable, Sequence
-from concurrent.futures.process import BrokenProcessPool
-from typing import Annotated, Any
+import traceback
+from collections.abc import Sequence
+from typing import Annotated, Any, NamedTuple
 
 import tyro
 
 from experiments.calibration.config import Calibrate
 from experiments.commands.config import Compare, Picture, Run, Tolerance
-from experiments.commands.uq import Uq, uq
+from experiments.commands.uq import Uq
 from experiments.dataset.config import Dataset
 from experiments.dataset.rules import Rules
-from experiments.errors import ExperimentsFailedError, UsageError
+from experiments.errors import UsageError
+from experiments.failure import explained
 from experiments.prediction.config import FitGap, Predict
 from experiments.rendering.config import RenderDataset
 from experiments.setup.actors import Actors
-from sim.errors import GraphicsError
 from sim.model.conditions import Conditions
 
-USAGE = 2  # exit code of a wrong argument, or of a machine without OpenGL
 _GL_PACKAGES = (
     "libegl1 libgl1 libosmesa6"  # sim.model.renderer names them too, but cannot be asked where they are missing
 )
@@ -35,115 +36,63 @@ _PLACE = re.compile(r"^Error parsing (?!--)\S+: ")  # tyro's, before the message
 _GROUPS: dict[str, type[Any]] = {"conditions": Conditions, "actors": Actors, "rules": Rules}  # by the field
 _DESCRIPTION = (
     "Closed-loop grasp experiments in simulation that tell which 6D-pose uncertainty can be trusted. "
-    "`graspcell COMMAND --help` explains a command."
+    "`graspcell COMMAND --help` explains a command; --debug, anywhere, shows where an error comes from."
 )
 
 
-def _compare(config: Compare) -> int:
-    _load_engine()
-    from experiments.commands.compare import compare  # noqa: PLC0415  # the engine is loaded when it is needed
+class Command(NamedTuple):
+    """A command: its options, what does the job, and whether that needs the engine, and with it OpenGL."""
 
-    return compare(config)
-
-
-def _run(config: Run) -> int:
-    _load_engine()
-    from experiments.commands.run import run  # noqa: PLC0415
-
-    return run(config)
+    config: type[Any]
+    job: str
+    engine: bool = True
 
 
-def _picture(config: Picture) -> int:
-    _load_engine()
-    from experiments.commands.picture import picture  # noqa: PLC0415
-
-    return picture(config)
-
-
-def _tolerance(config: Tolerance) -> int:
-    _load_engine()
-    from experiments.commands.tolerance import tolerance  # noqa: PLC0415
-
-    return tolerance(config)
-
-
-def _dataset(config: Dataset) -> int:
-    from experiments.dataset.command import dataset  # noqa: PLC0415
-
-    return dataset(config)
-
-
-def _calibrate(config: Calibrate) -> int:
-    from experiments.calibration.command import calibrate  # noqa: PLC0415
-
-    return calibrate(config)
-
-
-def _gap(config: FitGap) -> int:
-    _load_engine()
-    from experiments.prediction.gap_command import gap  # noqa: PLC0415
-
-    return gap(config)
-
-
-def _predict(config: Predict) -> int:
-    _load_engine()
-    from experiments.prediction.command import predict  # noqa: PLC0415
-
-    return predict(config)
-
-
-def _render_dataset(config: RenderDataset) -> int:
-    _load_engine()
-    from experiments.rendering.command import render_dataset  # noqa: PLC0415
-
-    return render_dataset(config)
-
-
-_COMMAND: Any = (
-    Annotated[Compare, tyro.conf.subcommand("compare")]
-    | Annotated[Run, tyro.conf.subcommand("run")]
-    | Annotated[Picture, tyro.conf.subcommand("picture")]
-    | Annotated[Tolerance, tyro.conf.subcommand("tolerance")]
-    | Annotated[Dataset, tyro.conf.subcommand("dataset")]
-    | Annotated[Calibrate, tyro.conf.subcommand("calibrate")]
-    | Annotated[FitGap, tyro.conf.subcommand("gap")]
-    | Annotated[Predict, tyro.conf.subcommand("predict")]
-    | Annotated[RenderDataset, tyro.conf.subcommand("render-dataset")]
-    | Annotated[Uq, tyro.conf.subcommand("uq")]
-)
-COMMANDS: dict[str, tuple[type[Any], Callable[[Any], int]]] = {
-    "compare": (Compare, _compare),
-    "run": (Run, _run),
-    "picture": (Picture, _picture),
-    "tolerance": (Tolerance, _tolerance),
-    "dataset": (Dataset, _dataset),
-    "calibrate": (Calibrate, _calibrate),
-    "gap": (FitGap, _gap),
-    "predict": (Predict, _predict),
-    "render-dataset": (RenderDataset, _render_dataset),
-    "uq": (Uq, uq),
+COMMANDS = {
+    "compare": Command(Compare, "experiments.commands.compare:compare"),
+    "run": Command(Run, "experiments.commands.run:run"),
+    "picture": Command(Picture, "experiments.commands.picture:picture"),
+    "tolerance": Command(Tolerance, "experiments.commands.tolerance:tolerance"),
+    "dataset": Command(Dataset, "experiments.dataset.command:dataset", engine=False),
+    "calibrate": Command(Calibrate, "experiments.calibration.command:calibrate", engine=False),
+    "gap": Command(FitGap, "experiments.prediction.gap_command:gap"),
+    "predict": Command(Predict, "experiments.prediction.command:predict"),
+    "render-dataset": Command(RenderDataset, "experiments.rendering.command:render_dataset"),
+    "uq": Command(Uq, "experiments.commands.uq:uq", engine=False),
 }
+_CHOICES = [Annotated[command.config, tyro.conf.subcommand(name)] for name, command in COMMANDS.items()]
+_COMMAND: Any = functools.reduce(operator.or_, _CHOICES)
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """The entry point; always leaves by SystemExit."""
-    given = list(sys.argv[1:] if arguments is None else arguments)
+    typed = list(sys.argv[1:] if arguments is None else arguments)
+    given = [argument for argument in typed if argument != "--debug"]
     try:
-        config = parse(given)
-        if not isinstance(config, Uq | Dataset | Calibrate):  # they need no physics
-            _load_engine()
-        jobs = dict(COMMANDS.values())
-        code = jobs[type(config)](config)
-    except (UsageError, GraphicsError) as error:
-        _fail(str(error), USAGE)
-    except ExperimentsFailedError as error:
-        _fail(str(error), 1)
-    except BrokenProcessPool:
-        _fail("a worker process died (out of memory?)", 1)
-    except KeyboardInterrupt:
-        _fail("interrupted", 130)
+        code = _run(given)
+    except (Exception, KeyboardInterrupt) as error:
+        code = _failed(error, debug=given != typed)
     sys.exit(code)
+
+
+def _run(arguments: Sequence[str]) -> int:
+    """Does what the arguments ask for; returns the exit code."""
+    config = parse(arguments)
+    command = next(one for one in COMMANDS.values() if one.config is type(config))
+    if command.engine:
+        _load_engine()
+    module, _, name = command.job.partition(":")
+    code: int = getattr(importlib.import_module(module), name)(config)
+    return code
+
+
+def _failed(error: BaseException, *, debug: bool) -> int:
+    """Says in one line what went wrong, after the traceback if that is wanted; returns the exit code."""
+    if debug:
+        traceback.print_exception(error)
+    message, code = explained(error)
+    print(f"graspcell: error: {' '.join(message.split())}", file=sys.stderr)
+    return code
 
 
 def parse(arguments: Sequence[str]) -> Any:
@@ -204,11 +153,6 @@ def options(config: type[Any]) -> list[str]:
         group = dataclasses.fields(_GROUPS[field.name]) if field.name in _GROUPS else (field,)
         names += (f"--{member.name.replace('_', '-')}" for member in group)
     return names
-
-
-def _fail(message: str, code: int) -> None:
-    print(f"graspcell: error: {' '.join(message.split())}", file=sys.stderr)
-    sys.exit(code)
 
 
 if __name__ == "__main__":

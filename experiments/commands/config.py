@@ -2,40 +2,34 @@
 
 # ruff: noqa: PLC0415  # the engine is loaded when a job begins: --help does not wait for it, nor need OpenGL
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import product
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
 import tyro
 
+from cell.motion_limits import PRESETS
 from experiments.errors import UsageError
+from experiments.names import METHOD_NAMES, OWN
 from experiments.setup.actors import Actors
 from experiments.setup.checks import all_at_least, check_cell, check_part_and_method, one_of, worker_count
 from sim.model.conditions import Conditions
 
 if TYPE_CHECKING:
     from experiments.setup.experiment import ExperimentSpec
+    from experiments.setup.thresholds import Thresholds
 
 ConditionOptions = tyro.conf.OmitArgPrefixes[Conditions]  # --light, not --conditions.light
+Speed = Annotated[str, tyro.conf.arg(help=f"How fast the arm moves: {', '.join(PRESETS)}.")]
 ActorOptions = tyro.conf.OmitArgPrefixes[Actors]
 
 
 @dataclass(frozen=True)
-class Compare:
-    """Compare uncertainty methods on grasp success: the paper's robot experiment, for every object and method.
+class CellOptions:
+    """What compare and run have in common: how the cell is, who sees and who decides."""
 
-    Prints the table beside the paper's and writes table.json, manifest.json and the logs to --out.
-    """
-
-    objects: tuple[str, ...] = ("antenna", "handle")
-    """Parts to be sequenced: names, or TOML files of your own."""
-    methods: tuple[str, ...] = ("none", "ensemble-add", "maskval")
-    """Uncertainty methods: none, maskval, maskval-no-visibility, ensemble-add, ensemble-mdd, ensemble-translation,
-    ensemble-rotation, maskval-ensemble, contour, depth, score, temporal, random, oracle-mask, oracle-mdd; or your own
-    as package.module:Class; or all for all of these."""
-    experiments: int = 5
-    """Experiments per object and method; experiment i meets the same parts in the same poses with every method."""
     parts: int = 8
     """Parts on the belt per experiment, each with 20 s of time; 1 to 8."""
     seed: int = 0
@@ -44,14 +38,58 @@ class Compare:
     """Who sees and who decides."""
     thresholds: str = "derived"
     """A preset (derived, paper), or a TOML file of the same form, such as graspcell dataset writes."""
-    u_grasp: tuple[str, ...] = ()
-    """Grasping thresholds of your own for all objects, METHOD=U; they go before those of --thresholds."""
-    speed: str = "ur-default"
-    """How fast the arm moves: ur-default, moderate, fast."""
+    speed: Speed = "ur-default"
     fresh_look: bool = True
     """On a moving belt, look at a part again before it is grasped."""
     conditions: ConditionOptions = field(default_factory=Conditions)
     """What disturbs the cell."""
+
+    def _check(self, objects: Sequence[str], methods: Sequence[str], thresholds: "Thresholds") -> None:
+        """Raises UsageError unless each object can be run with each method."""
+        names = {check_part_and_method(part, method, thresholds) for method in methods for part in objects}
+        if len(names) < len(objects):
+            raise UsageError(f"--objects has files of the same part name: {' '.join(objects)}")
+        for part, method in product(objects, methods):
+            self.actors.check(part, method, thresholds)
+
+    def _spec(self, part: str, method: str, thresholds: "Thresholds", experiment: int) -> "ExperimentSpec":
+        from experiments.setup.experiment import ExperimentSpec
+
+        return ExperimentSpec(
+            part=part,
+            method=method,
+            estimator=self.actors.estimator,
+            thresholds=thresholds,
+            speed=self.speed,
+            parts=self.parts,
+            seed=self.seed,
+            experiment=experiment,
+            conditions=self.conditions,
+            fresh_look=self.fresh_look,
+            policy=self.actors.policy,
+            recorded=self.actors.recorded,
+            time_limit=self.actors.time_limit,
+            noise=self.actors.noise(part, experiment),
+        )
+
+
+@dataclass(frozen=True)
+class Compare(CellOptions):
+    """Compare uncertainty methods on grasp success: the paper's robot experiment, for every object and method.
+
+    Prints the table beside the paper's and writes table.json, manifest.json and the logs to --out.
+    """
+
+    objects: tuple[str, ...] = ("antenna", "handle")
+    """Parts to be sequenced: names, or TOML files of your own."""
+    methods: Annotated[
+        tuple[str, ...],
+        tyro.conf.arg(help=f"Uncertainty methods: {', '.join(METHOD_NAMES)}; {OWN}; or all for all of these."),
+    ] = ("none", "ensemble-add", "maskval")
+    experiments: int = 5
+    """Experiments per object and method; experiment i meets the same parts in the same poses with every method."""
+    u_grasp: tuple[str, ...] = ()
+    """Grasping thresholds of your own for all objects, METHOD=U; they go before those of --thresholds."""
     jobs: int = 0
     """Processes to run experiments in; 0 takes one per core. The results do not depend on it."""
     out: Path = Path("out/compare")
@@ -64,7 +102,6 @@ class Compare:
             UsageError: an argument that cannot be.
         """
         from experiments.setup.estimators import check_not_recorded
-        from experiments.setup.experiment import ExperimentSpec
         from experiments.setup.methods import named_methods
         from experiments.setup.thresholds import load_thresholds
 
@@ -77,32 +114,11 @@ class Compare:
             if len(set(chosen)) < len(chosen):
                 raise UsageError(f"{name} names something twice: {' '.join(chosen)}")
         thresholds = load_thresholds(self.thresholds).with_told(self.u_grasp, methods)
-        names = {check_part_and_method(part, method, thresholds) for method in methods for part in self.objects}
-        if len(names) < len(self.objects):
-            raise UsageError(f"--objects has files of the same part name: {' '.join(self.objects)}")
-        for part, method in product(self.objects, methods):
-            self.actors.check(part, method, thresholds)
+        self._check(self.objects, methods, thresholds)
         check_not_recorded(self.out, self.actors.recorded)
         return [
-            ExperimentSpec(
-                part=part,
-                method=method,
-                estimator=self.actors.estimator,
-                thresholds=thresholds,
-                speed=self.speed,
-                parts=self.parts,
-                seed=self.seed,
-                experiment=experiment,
-                conditions=self.conditions,
-                fresh_look=self.fresh_look,
-                policy=self.actors.policy,
-                recorded=self.actors.recorded,
-                time_limit=self.actors.time_limit,
-                noise=self.actors.noise(part, experiment),
-            )
-            for part in self.objects
-            for method in methods
-            for experiment in range(self.experiments)
+            self._spec(part, method, thresholds, experiment)
+            for part, method, experiment in product(self.objects, methods, range(self.experiments))
         ]
 
     @property
@@ -112,7 +128,7 @@ class Compare:
 
 
 @dataclass(frozen=True)
-class Run:
+class Run(CellOptions):
     """Run one experiment and tell it step by step: what was seen, u, what was decided, what came of it.
 
     Runs the same experiment as compare does with the same seed and number.
@@ -120,28 +136,11 @@ class Run:
 
     object: str = "antenna"
     """Part to be sequenced: antenna, handle, or a TOML file of your own."""
-    method: str = "maskval"
-    """Uncertainty method: none, maskval, maskval-no-visibility, ensemble-add, ensemble-mdd, ensemble-translation,
-    ensemble-rotation, maskval-ensemble, contour, depth, score, temporal, random, oracle-mask, oracle-mdd; or your own
-    as package.module:Class."""
+    method: Annotated[str, tyro.conf.arg(help=f"Uncertainty method: {', '.join(METHOD_NAMES)}; {OWN}.")] = "maskval"
     experiment: int = 0
     """Number of the experiment."""
-    parts: int = 8
-    """Parts on the belt, each with 20 s of time; 1 to 8."""
-    seed: int = 0
-    """Root of all random numbers."""
-    actors: ActorOptions = field(default_factory=Actors)
-    """Who sees and who decides."""
-    thresholds: str = "derived"
-    """A preset (derived, paper), or a TOML file of the same form, such as graspcell dataset writes."""
     u_grasp: float | None = None
     """Grasping threshold of your own; goes before that of --thresholds."""
-    speed: str = "ur-default"
-    """How fast the arm moves: ur-default, moderate, fast."""
-    fresh_look: bool = True
-    """On a moving belt, look at a part again before it is grasped."""
-    conditions: ConditionOptions = field(default_factory=Conditions)
-    """What disturbs the cell."""
     out: Path | None = None
     """Folder for the logs; none are written without it."""
 
@@ -152,33 +151,16 @@ class Run:
             UsageError: an argument that cannot be.
         """
         from experiments.setup.estimators import check_not_recorded
-        from experiments.setup.experiment import ExperimentSpec
         from experiments.setup.thresholds import load_thresholds
 
         check_cell(self.parts, self.seed, self.speed)
         all_at_least(self, experiment=0)
         told = () if self.u_grasp is None else (f"{self.method}={self.u_grasp}",)
         thresholds = load_thresholds(self.thresholds).with_told(told, (self.method,))
-        check_part_and_method(self.object, self.method, thresholds)
-        self.actors.check(self.object, self.method, thresholds)
+        self._check((self.object,), (self.method,), thresholds)
         if self.out is not None:
             check_not_recorded(self.out, self.actors.recorded)
-        return ExperimentSpec(
-            part=self.object,
-            method=self.method,
-            estimator=self.actors.estimator,
-            thresholds=thresholds,
-            speed=self.speed,
-            parts=self.parts,
-            seed=self.seed,
-            experiment=self.experiment,
-            conditions=self.conditions,
-            fresh_look=self.fresh_look,
-            policy=self.actors.policy,
-            recorded=self.actors.recorded,
-            time_limit=self.actors.time_limit,
-            noise=self.actors.noise(self.object, self.experiment),
-        )
+        return self._spec(self.object, self.method, thresholds, self.experiment)
 
 
 @dataclass(frozen=True)
@@ -251,8 +233,7 @@ class Tolerance:
     """Attempts per part and error."""
     seed: int = 0
     """Root of all random numbers."""
-    speed: str = "ur-default"
-    """How fast the arm moves: ur-default, moderate, fast."""
+    speed: Speed = "ur-default"
     jobs: int = 0
     """Processes to run trials in; 0 takes one per core. The results do not depend on it."""
     figure: bool = False

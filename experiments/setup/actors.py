@@ -5,10 +5,13 @@
 import math
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
+
+import tyro
 
 from cell.guards import TIME_LIMIT
 from experiments.errors import UsageError
+from experiments.names import OWN, POLICY_NAMES
 
 if TYPE_CHECKING:
     from experiments.prediction.worlds import Noise
@@ -27,9 +30,13 @@ class Actors:
     gap: str = "none"
     """Domain gap of the noisy estimates. none: errors as on rendered images; fitted: as the paper's robot without UQ
     speaks for on real ones, another draw for every experiment; or a gap.json of graspcell gap."""
-    policy: str | None = None
-    """always, best-of-view, threshold, patient, next-best-view, fuse, or your own as package.module:Class; without it
-    each method has its own: always for none, threshold for the others."""
+    policy: Annotated[
+        str | None,
+        tyro.conf.arg(
+            help=f"{', '.join(POLICY_NAMES)}, {OWN}; without it each method has its own: always for none, threshold "
+            "for the others."
+        ),
+    ] = None
     time_limit: float = TIME_LIMIT
     """Seconds of the wall clock that an estimator, a method or the policy has per call."""
 
