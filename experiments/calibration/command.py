@@ -15,7 +15,7 @@ from experiments.calibration.images import ErrorModelTrial, ImageSet, run_trial
 from experiments.calibration.noise_file import rewrite
 from experiments.calibration.report import Fitted, Member, as_json, format_report
 from experiments.calibration.targets import GROUPS, Calibration, FitTarget, Prior, load_calibration, values_at
-from experiments.result_files import write_text
+from experiments.results.files import write_text
 from experiments.results.provenance import manifest, write_json
 from experiments.setup.checks import writable_folder
 from experiments.setup.pool import Run, workers

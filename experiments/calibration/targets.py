@@ -3,7 +3,6 @@
 import math
 import tomllib
 from dataclasses import dataclass
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from experiments.errors import UsageError
+from experiments.results.paper import calibration_text, parts_with_figures
 from maskval import InvalidFileError
 from maskval.input_files import read_input_text
 from sim.errors import NoiseFileError
@@ -22,7 +22,6 @@ FIGURES = {  # by group of targets: what `graspcell dataset` prints
     "ensemble-add": ("spearman", "auc_ar", "u_tg"),
 }
 GROUPS = {"mask": ("mask",), "pose": ("maskval", "ensemble-add")}  # of targets, by the section of what they determine
-_FOLDER = files("experiments") / "presets" / "calibration"
 _FORM = "expected [target.GROUP] with FIGURE = { value, sd } and [prior.SECTION] with KEY = { center, spread }"
 
 Array = NDArray[np.float64]
@@ -149,25 +148,14 @@ def load_calibration(name_or_file: str, noise: PartNoise) -> Calibration:
     return Calibration(targets, priors)
 
 
-def paper_figures(part: str) -> dict[tuple[str, str], float]:
-    """The paper's dataset figures of a part, by group and figure; none of a part that it does not have."""
-    if part not in _presets():
-        return {}
-    table = tomllib.loads(_read(part))["target"]
-    return {(group, figure): row["value"] for group, rows in table.items() for figure, row in rows.items()}
-
-
-def _presets() -> list[str]:
-    return sorted(Path(entry.name).stem for entry in _FOLDER.iterdir() if entry.name.endswith(".toml"))
-
-
 def _read(name_or_file: str) -> str:
     if not name_or_file.endswith(".toml"):
-        if name_or_file not in _presets():
+        known = parts_with_figures()
+        if name_or_file not in known:
             raise UsageError(
-                f"no calibration for {name_or_file!r}: expected one of {', '.join(_presets())}, or --targets FILE.toml"
+                f"no calibration for {name_or_file!r}: expected one of {', '.join(known)}, or --targets FILE.toml"
             )
-        return (_FOLDER / f"{name_or_file}.toml").read_text(encoding="utf-8")
+        return calibration_text(name_or_file)
     try:
         return read_input_text(Path(name_or_file))
     except InvalidFileError as error:

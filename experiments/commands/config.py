@@ -12,9 +12,9 @@ import tyro
 
 from cell.motion_limits import PRESETS
 from experiments.errors import UsageError
-from experiments.names import METHOD_NAMES, OWN
 from experiments.setup.actors import Actors
 from experiments.setup.checks import all_at_least, check_cell, check_part_and_method, one_of, worker_count
+from experiments.setup.names import METHOD_NAMES, OWN
 from sim.model.conditions import Conditions
 
 if TYPE_CHECKING:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from cell.records import TimeSlot, Transition
 from experiments.commands.config import Picture
 from experiments.errors import UsageError
-from experiments.result_files import replacing
+from experiments.results.files import replacing
 from experiments.setup.checks import writable_folder
 from experiments.setup.experiment import ExperimentSpec, run_experiment
 from sim.errors import MeshesMissingError

@@ -12,7 +12,7 @@ from experiments.dataset.metrics import Figures
 from experiments.dataset.report import format_alternatives, format_tables
 from experiments.dataset.score import Scored, alternatives, score
 from experiments.dataset.thresholds import thresholds_toml
-from experiments.result_files import write_text
+from experiments.results.files import write_text
 from experiments.results.provenance import manifest, write_json
 from experiments.setup.checks import writable_folder
 from experiments.setup.pool import run_all

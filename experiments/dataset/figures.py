@@ -9,7 +9,7 @@ import numpy as np
 from experiments.dataset.metrics import ERRORS_M
 from experiments.dataset.score import Scored
 from experiments.errors import UsageError
-from experiments.result_files import replacing
+from experiments.results.files import replacing
 
 _SHOWN_M = 0.1  # larger errors are drawn as this one: a few metres would hide all others
 

@@ -2,9 +2,9 @@
 
 from collections.abc import Sequence
 
-from experiments.calibration.targets import paper_figures
 from experiments.dataset.metrics import Figures
 from experiments.dataset.score import Scored
+from experiments.results.paper import dataset_figures
 from maskval import Measured
 
 _MASK_NAMES = {"ap_50_95": "AP50:95", "ap_50": "AP50", "ar_100": "AR100"}
@@ -19,7 +19,7 @@ def format_tables(sets: Sequence[Scored]) -> str:
         f"{'object':10} {'images':>7} " + " ".join(f"{name:>29}" for name in _MASK_NAMES.values()),
     ]
     for one in sets:
-        paper = paper_figures(one.object)
+        paper = dataset_figures(one.object)
         cells = (_cell(one.mask[name], paper.get(("mask", name)), 100.0) for name in _MASK_NAMES)
         lines.append(f"{one.object:10} {one.images:7} " + " ".join(cells))
     width = max(13, *(len(method) for one in sets for method in one.methods))
@@ -29,7 +29,7 @@ def format_tables(sets: Sequence[Scored]) -> str:
         f"{'object':10} {'method':{width}} {'Spearman':>29} {'AUC AR, %':>29} {'u_t,g at 15 mm':>29}",
     ]
     for one in sets:
-        paper = paper_figures(one.object)
+        paper = dataset_figures(one.object)
         for method, row in one.methods.items():
             cells = (
                 _cell(

@@ -7,14 +7,15 @@ from typing import Any
 from experiments.prediction.cells import PredictedCell, Rate, agreement, predict_cell
 from experiments.prediction.config import Predict
 from experiments.prediction.counting import count_all
-from experiments.prediction.gap import BASE_REACH, Reach
+from experiments.prediction.setting import Setting
 from experiments.prediction.variants import VARIANTS
-from experiments.prediction.worlds import Noise, Setting, world_of
 from experiments.results.paired import Paired, format_paired, pair
 from experiments.results.paper import ROBOT_TABLE
 from experiments.results.provenance import manifest, write_json
 from experiments.setup.checks import writable_folder
+from experiments.setup.error_models import ErrorModel, error_model_of
 from experiments.setup.thresholds import load_thresholds
+from sim.networks.domain_gap import BASE_REACH, Reach
 
 FITTED = "none"  # the method whose row of the robot table the gap is fitted to
 _COLUMN = 27
@@ -49,15 +50,16 @@ def predict(config: Predict) -> int:
     return 0
 
 
-def _worlds(config: Predict, reach: Reach) -> dict[str, list[Noise]]:
+def _worlds(config: Predict, reach: Reach) -> dict[str, list[ErrorModel]]:
     """The worlds of each part, where S2 and the detector feel so much of the gap."""
     return {
-        part: [world_of(part, config.gap, index, reach) for index in range(config.worlds)] for part in config.objects
+        part: [error_model_of(part, config.gap, index, reach) for index in range(config.worlds)]
+        for part in config.objects
     }
 
 
 def _cells(
-    config: Predict, setting: Setting, worlds: dict[str, list[Noise]], name: str
+    config: Predict, setting: Setting, worlds: dict[str, list[ErrorModel]], name: str
 ) -> tuple[list[PredictedCell], list[Paired]]:
     """One cell per part and method, and the methods side by side; a world's experiments are the same with every one."""
     size, keys = config.experiments, list(product(config.objects, config.methods))

@@ -6,10 +6,11 @@ from cell.records import Tally
 from experiments.prediction.config import FitGap
 from experiments.prediction.counting import count_all
 from experiments.prediction.gap_fit import GapFit, design, fit_gap
-from experiments.prediction.worlds import Setting, load_ensemble, taken, world
+from experiments.prediction.setting import Setting
 from experiments.results.paper import ROBOT_TABLE
 from experiments.results.provenance import manifest, write_json
 from experiments.setup.checks import writable_folder
+from experiments.setup.error_models import cycled, error_model, load_ensemble
 from experiments.setup.thresholds import load_thresholds
 from sim.model.parts import load_part
 from sim.networks.noise_model import load_noise
@@ -29,7 +30,7 @@ def gap(config: FitGap) -> int:
     members = load_ensemble(noise, rendered)
     setting = Setting(load_thresholds("paper"), seed=config.seed)
     specs = [
-        setting.spec(config.part, "none", world(rendered, taken(members, experiment), one), experiment)
+        setting.spec(config.part, "none", error_model(rendered, cycled(members, experiment), one), experiment)
         for one in design()
         for experiment in range(config.experiments)
     ]

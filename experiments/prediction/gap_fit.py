@@ -15,7 +15,7 @@ from scipy.interpolate import RegularGridInterpolator
 
 from cell.records import Tally
 from experiments.errors import UsageError
-from experiments.prediction.gap import Gap
+from sim.networks.domain_gap import Gap
 
 PAPER_EXPERIMENTS = 5
 CORE_SCALES = (1.0, 1.5, 2.25)

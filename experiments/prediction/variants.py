@@ -3,9 +3,9 @@
 from collections.abc import Callable
 from dataclasses import replace
 
-from experiments.prediction.gap import Reach
-from experiments.prediction.worlds import Setting
+from experiments.prediction.setting import Setting
 from experiments.setup.thresholds import load_thresholds
+from sim.networks.domain_gap import Reach
 
 Variant = Callable[[Setting], Setting]
 

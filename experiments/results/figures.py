@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from experiments.errors import UsageError
-from experiments.result_files import replacing
+from experiments.results.files import replacing
 from experiments.results.tolerance_curve import CurvePoint
 
 

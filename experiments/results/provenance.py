@@ -8,7 +8,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from experiments.result_files import write_text
+from experiments.results.files import write_text
 
 _PACKAGES = (
     "graspcell",

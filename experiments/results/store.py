@@ -8,7 +8,7 @@ from typing import Any, Self
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from experiments.result_files import Aside
+from experiments.results.files import Aside
 
 Row = Mapping[str, Any]
 Tables = Mapping[str, Iterable[Row]]

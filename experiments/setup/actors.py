@@ -11,10 +11,10 @@ import tyro
 
 from cell.guards import TIME_LIMIT
 from experiments.errors import UsageError
-from experiments.names import OWN, POLICY_NAMES
+from experiments.setup.names import OWN, POLICY_NAMES
 
 if TYPE_CHECKING:
-    from experiments.prediction.worlds import Noise
+    from experiments.setup.error_models import ErrorModel
     from experiments.setup.thresholds import Thresholds
 
 
@@ -57,12 +57,12 @@ class Actors:
         known = load_part(part).part
         make_policy(self.policy, known_method(method, known, thresholds), known, Layout(), thresholds.refine)
 
-    def noise(self, part: str, experiment: int) -> "Noise":
+    def noise(self, part: str, experiment: int) -> "ErrorModel":
         """What an experiment changes in the error model of its part, which exists.
 
         Raises:
             UsageError: there is no such gap for the part.
         """
-        from experiments.prediction.worlds import world_of
+        from experiments.setup.error_models import error_model_of
 
-        return () if self.gap == "none" else world_of(part, self.gap, experiment)
+        return () if self.gap == "none" else error_model_of(part, self.gap, experiment)

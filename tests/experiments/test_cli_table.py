@@ -10,8 +10,8 @@ import pytest
 
 from experiments.cli import COMMANDS, options
 from experiments.commands.config import CellOptions, Compare, Run
-from experiments.names import METHOD_NAMES, POLICY_NAMES
 from experiments.setup.methods import METHODS
+from experiments.setup.names import METHOD_NAMES, POLICY_NAMES
 from policies import POLICIES
 from tests.experiments.command import command
 

@@ -4,7 +4,7 @@ from concurrent.futures.process import _ExceptionWithTraceback
 
 import pytest
 
-from experiments import run as run_module
+from experiments.commands import run as run_module
 from experiments.failure import explained
 from sim.model.parts import load_part
 from tests.experiments.command import command

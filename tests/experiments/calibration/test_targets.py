@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from experiments.calibration.noise_file import rewrite
-from experiments.calibration.targets import Prior, load_calibration, paper_figures, values_at
+from experiments.calibration.targets import Prior, load_calibration, values_at
 from experiments.errors import UsageError
+from experiments.results.paper import dataset_figures
 from sim.networks.noise_model import load_noise, noise_text, read_noise
 
 GOOD = """
@@ -17,7 +18,7 @@ lateral_mm = { center = 0.5, spread = 0.5 }
 
 
 def test_the_presets_hold_the_figures_of_the_papers_dataset_tables() -> None:
-    antenna, handle = paper_figures("antenna"), paper_figures("handle")
+    antenna, handle = dataset_figures("antenna"), dataset_figures("handle")
     assert [antenna["mask", name] for name in ("ap_50_95", "ap_50", "ar_100")] == [0.947, 0.989, 0.968]
     assert [handle["mask", name] for name in ("ap_50_95", "ap_50", "ar_100")] == [0.873, 0.990, 0.904]
     for name, paper in (("spearman", (0.72, 0.58, 0.70, 0.56)), ("auc_ar", (0.66, 0.523, 0.81, 0.60))):
@@ -26,7 +27,7 @@ def test_the_presets_hold_the_figures_of_the_papers_dataset_tables() -> None:
         )
     assert (antenna["maskval", "u_tg"], antenna["ensemble-add", "u_tg"]) == (0.20, 0.10)
     assert (handle["maskval", "u_tg"], handle["ensemble-add", "u_tg"]) == (0.55, 0.08)
-    assert paper_figures("brick") == {}
+    assert dataset_figures("brick") == {}
 
 
 @pytest.mark.parametrize("part", ["antenna", "handle"])

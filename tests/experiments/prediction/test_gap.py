@@ -5,9 +5,9 @@ import pytest
 
 from cell.records import Tally
 from experiments.errors import UsageError
-from experiments.prediction.gap import Gap, load_gaps
 from experiments.prediction.gap_fit import CORE_SCALES, OUTLIER_ODDS, design, fit_gap
-from experiments.prediction.worlds import load_ensemble, world
+from experiments.setup.error_models import error_model, load_ensemble, load_gaps
+from sim.networks.domain_gap import Gap
 from sim.networks.noise_model import load_noise
 
 
@@ -34,7 +34,7 @@ def test_no_gap_changes_nothing() -> None:
 
 def test_a_world_puts_the_gap_on_top_of_the_accepted_parameters() -> None:
     handle = load_noise("handle")
-    values = dict(world(handle, {"pose.lateral_mm": 0.8, "mask.field_cells": 0.2}, Gap(core_scale=1.5)))
+    values = dict(error_model(handle, {"pose.lateral_mm": 0.8, "mask.field_cells": 0.2}, Gap(core_scale=1.5)))
     assert values["pose.lateral_mm"] == pytest.approx(1.2)
     assert values["mask.field_cells"] == 0.2
     assert values["pose.rotation_deg"] == pytest.approx(1.5 * handle.pose.rotation_deg)

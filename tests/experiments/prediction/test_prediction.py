@@ -6,8 +6,8 @@ import pytest
 from cell.records import Tally
 from experiments.cli import main
 from experiments.prediction.cells import Rate, agreement, predict_cell
+from experiments.prediction.setting import Setting
 from experiments.prediction.variants import VARIANTS
-from experiments.prediction.worlds import Setting
 from experiments.setup.thresholds import load_thresholds
 
 

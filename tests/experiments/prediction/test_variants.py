@@ -5,11 +5,12 @@ import pytest
 
 from cell.records import Tally
 from experiments.cli import main
-from experiments.prediction.gap import BASE_REACH, Gap, Reach
+from experiments.prediction.setting import Setting
 from experiments.prediction.variants import VARIANTS
-from experiments.prediction.worlds import Setting, world, world_of
+from experiments.setup.error_models import error_model, error_model_of
 from experiments.setup.thresholds import load_thresholds
 from maskval import Pose
+from sim.networks.domain_gap import BASE_REACH, Gap, Reach
 from sim.networks.noise_model import PartNoise, load_noise
 from sim.networks.pose_noise import PoseLatents, core_scale, outlier_probability, pose_error
 
@@ -28,7 +29,7 @@ def setting_of(variant: str) -> Setting:
 def model_of(variant: str, gap: Gap = GAP) -> PartNoise:
     """The handle's error model in the world of one accepted set and one gap, under a variant."""
     setting = setting_of(variant)
-    spec = setting.spec("handle", "none", world(HANDLE, MEMBER, gap, setting.reach), 0)
+    spec = setting.spec("handle", "none", error_model(HANDLE, MEMBER, gap, setting.reach), 0)
     return HANDLE.changed(dict(spec.noise))
 
 
@@ -54,8 +55,8 @@ def test_the_base_changes_the_same_numbers_by_the_same_bits_as_the_gap_was_fitte
         "pose.outlier_probability": multiplied / (1.0 + multiplied),
     }
     assert setting_of("base").reach == BASE_REACH == Reach(second=1.0, detector=0.0)
-    assert dict(world(HANDLE, MEMBER, GAP)) == expected
-    assert dict(world(HANDLE, MEMBER, GAP, BASE_REACH)) == expected
+    assert dict(error_model(HANDLE, MEMBER, GAP)) == expected
+    assert dict(error_model(HANDLE, MEMBER, GAP, BASE_REACH)) == expected
 
 
 def test_outliers_along_the_ray_hardly_turn_or_leave_the_ray() -> None:
@@ -83,7 +84,7 @@ def test_a_gap_on_S1_only_leaves_S2_as_on_rendered_images() -> None:
 
 
 def test_a_share_of_the_gap_is_an_exponent() -> None:
-    half = HANDLE.changed(dict(world(HANDLE, MEMBER, GAP, Reach(second=0.5))))
+    half = HANDLE.changed(dict(error_model(HANDLE, MEMBER, GAP, Reach(second=0.5))))
     assert core_mm(half, 1) == pytest.approx(math.sqrt(1.5) * core_mm(RENDERED, 1), rel=1e-12)
     assert outlier_odds(half, 1) == pytest.approx(5.0 * outlier_odds(RENDERED, 1), rel=1e-12)
 
@@ -131,6 +132,8 @@ def test_a_prediction_runs_each_variant_in_its_own_worlds(tmp_path, monkeypatch)
             ["predict", "--objects", "handle", "--methods", "none", "--worlds", "2", "--experiments", "1"]
             + ["--variants", "base", "gap-first-only", "--out", str(tmp_path)]
         )
-    assert noise["base"] == [world_of("handle", "fitted", index) for index in range(2)]
-    assert noise["gap-first-only"] == [world_of("handle", "fitted", index, Reach(second=0.0)) for index in range(2)]
+    assert noise["base"] == [error_model_of("handle", "fitted", index) for index in range(2)]
+    assert noise["gap-first-only"] == [
+        error_model_of("handle", "fitted", index, Reach(second=0.0)) for index in range(2)
+    ]
     assert noise["base"] != noise["gap-first-only"]

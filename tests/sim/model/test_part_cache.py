@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 import trimesh
 
-from sim import parts
 from sim.errors import PartFileError
+from sim.model import parts
 from sim.model.parts import load_part
 from tests.sim.model.test_parts import brick_file
 

@@ -3,10 +3,10 @@ import pytest
 from cell.records import Tally
 from experiments.commands.compare import caveats, grasp_thresholds, make_cells, make_pairs
 from experiments.commands.config import Compare
-from experiments.prediction import worlds
+from experiments.setup import error_models
 from experiments.setup.actors import Actors
-from experiments.setup.experiment import Result
-from sim import parts
+from experiments.setup.experiment import ExperimentResult
+from sim.model import parts
 
 
 def test_a_whole_comparison_makes_each_part_once(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -14,10 +14,10 @@ def test_a_whole_comparison_makes_each_part_once(monkeypatch: pytest.MonkeyPatch
     make = parts.resting_poses
     monkeypatch.setattr(parts, "resting_poses", lambda mesh: made.append(1) or make(mesh))
     parts._build.cache_clear()
-    worlds._worlds.cache_clear()
+    error_models._draws.cache_clear()
     specs = Compare(methods=("all",), experiments=20, actors=Actors(gap="fitted")).specs()
     count = Tally(parts=8, tp=8, fp=0, fn=0, void=0, unreachable=0, timeouts=0, duration=90.0)
-    results = [Result(spec, count, None, {}) for spec in specs]
+    results = [ExperimentResult(spec, count, None, {}) for spec in specs]
     assert {cell.object for cell in make_cells(specs, results)} == {"antenna", "handle"}
     assert (len(make_pairs(specs, results)), len(grasp_thresholds(specs))) == (28, 2)
     caveats(specs)

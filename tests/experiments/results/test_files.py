@@ -5,9 +5,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from experiments import picture as picture_module
+from experiments.commands import picture as picture_module
 from experiments.errors import UsageError
-from experiments.result_files import replacing, write_text
+from experiments.results.files import replacing, write_text
 from experiments.results.provenance import write_json
 from experiments.results.store import SCHEMAS, LogWriter
 from tests.experiments.command import command
@@ -98,7 +98,7 @@ def test_a_picture_that_does_not_fit_onto_the_disk_is_an_error(
             pass
 
     path = tmp_path / "cell.png"
-    monkeypatch.setattr(picture_module, "Camera", lambda *_: Blue())
+    monkeypatch.setattr(picture_module, "Renderer", lambda *_: Blue())
     arguments = ("picture", "--after", 0, "--state", "search", "--out", path)
     assert command(capsys, *arguments).out == f"picture in {path}\n"
     assert picture_module.cv2.imread(str(path)).tolist() == [[[255, 0, 0]] * 3] * 2

@@ -5,18 +5,10 @@ Two numbers: `core_scale` multiplies the pose networks' small errors (shifts and
 quantification does, for S1. That S2 feels all of the gap and the detector none is an assumption: see `Reach`.
 """
 
-import json
 import math
 from dataclasses import asdict, dataclass
-from importlib.resources import files
-from pathlib import Path
 
-from experiments.errors import UsageError
-from maskval import InvalidFileError
-from maskval.input_files import read_input_text
 from sim.networks.noise_model import PartNoise
-
-_PRESETS = files("experiments") / "presets" / "gaps"
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,33 +81,3 @@ def _with_odds(p: float, factor: float) -> float:
         return 1.0
     odds = factor * p / (1.0 - p)
     return odds / (1.0 + odds)
-
-
-def load_gaps(part: str, source: str) -> list[Gap]:
-    """Draws of a part's gap.
-
-    Args:
-        part: The part's name.
-        source: "none", "fitted" for those that come with the package, or a gap.json of `graspcell gap`.
-
-    Raises:
-        UsageError: there are none for this part, or the file is malformed.
-    """
-    if source == "none":
-        return [Gap()]
-    path = Path(str(_PRESETS / f"{part}.json")) if source == "fitted" else Path(source)
-    try:
-        found = json.loads(read_input_text(path))
-        if found["object"] != part:
-            raise UsageError(f"the gap {source} is of {found['object']}, but the part is {part}")
-        gaps = [Gap(**row) for row in found["draws"]]
-    except InvalidFileError as error:
-        raise UsageError(
-            f"no gap for {part} in {source}: expected none, fitted, or a gap.json of `graspcell gap --part {part}`: "
-            f"{error}"
-        ) from error
-    except (ValueError, KeyError, TypeError) as error:
-        raise UsageError(f"the gap {source} is malformed: {type(error).__name__}: {error}") from error
-    if not gaps:
-        raise UsageError(f"the gap {source} holds no draws")
-    return gaps

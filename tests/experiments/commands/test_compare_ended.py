@@ -3,7 +3,7 @@ from pathlib import Path
 
 import pytest
 
-from experiments import compare as compare_module
+from experiments.commands import compare as compare_module
 from tests.experiments.command import command
 
 
