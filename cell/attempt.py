@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import NoReturn
 
 import numpy as np
@@ -37,6 +38,27 @@ class Reach:
     contact: Contact | None
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _Step:
+    """One step of an attempt.
+
+    Attributes:
+        state: the state that it is in.
+        reason: why it is entered.
+        move: what it does; returns the contact that stopped it.
+        retreat: the tool pose X_BT to go back to when it fails; None for the joints before the step.
+        jaws: half opening that is commanded before, m; None leaves the jaws as they are.
+        holds: whether the jaws must hold something at its end.
+    """
+
+    state: State
+    reason: str
+    move: Callable[[], Contact | None]
+    retreat: Pose | None = None
+    jaws: float | None = None
+    holds: bool = False
+
+
 class _Ended(Exception):  # noqa: N818  # unwinds the sequence from wherever it was
     def __init__(self, contact: Contact | None) -> None:
         super().__init__(contact)
@@ -67,8 +89,10 @@ class Attempt:
             return Reach(None, State.APPROACH, None)
         plan, start = chosen
         try:
-            self._pick(plan, start)
-            self._place(plan, container_slot)
+            for step in self._pick(plan, start):
+                self._take(step)
+            for step in self._place(plan, container_slot):
+                self._take(step)
         except _Ended as end:
             return Reach(plan.grasp.name, self._state, end.contact)
         return Reach(plan.grasp.name, self._state, None)
@@ -122,66 +146,72 @@ class Attempt:
             return None
         return float(np.abs(joints - self._station.q).max())
 
-    def _pick(self, plan: GraspPlan, start: float) -> None:
-        motion, station, before = self._motion, self._station, plan.X_BT_before
-        station.command_jaws(plan.grasp.half_opening)
-        self._move(State.APPROACH, f"grasp {plan.grasp.name}", lambda: self._approach(before, start), None)
-        self._tracking = True
-        self._move(State.DESCEND, "above the part", lambda: self._track_to(plan.X_BT_grip, EVERYTHING), before)
-        station.command_jaws(GRIP)
-        self._move(State.CLOSE, "at the part", lambda: motion.wait_on_belt(CLOSING_TIME, HOLDING), before)
-        self._check_held(before)
-        self._move(State.LIFT, "part between the jaws", lambda: self._lift(plan.X_BT_lifted), before)
-        self._tracking = False
-        self._check_held(None)
+    def _pick(self, plan: GraspPlan, start: float) -> tuple[_Step, ...]:
+        """From where the arm is to the part lifted in the jaws; the tool is above the part at a time, `start`, s."""
+        motion, before = self._motion, plan.X_BT_before
+        approach, close = partial(self._approach, before, start), partial(motion.wait_on_belt, CLOSING_TIME, HOLDING)
+        descend, lift = partial(self._track_to, plan.X_BT_grip, EVERYTHING), partial(self._lift, plan.X_BT_lifted)
+        return (
+            _Step(State.APPROACH, f"grasp {plan.grasp.name}", approach, jaws=plan.grasp.half_opening),
+            _Step(State.DESCEND, "above the part", descend, before),
+            _Step(State.CLOSE, "at the part", close, before, jaws=GRIP, holds=True),
+            _Step(State.LIFT, "part between the jaws", lift, before, holds=True),
+        )
 
     def _approach(self, X_BT_before: Pose, start: float) -> Contact | None:
         """Above the part at a time (s), moving as it does from then on."""
         where = self._motion.carried(X_BT_before, self._seen_at, start + RAMP_TIME / 2)
-        return self._motion.to_tool(where) or self._motion.join_belt(start)
+        contact = self._motion.to_tool(where) or self._motion.join_belt(start)
+        self._tracking = contact is None
+        return contact
 
     def _track_to(self, X_BT: Pose, watch: frozenset[Touch]) -> Contact | None:
         return self._motion.line_to(self._motion.carried(X_BT, self._seen_at), watch, tracking=True)
 
     def _lift(self, X_BT_lifted: Pose) -> Contact | None:
-        return self._track_to(X_BT_lifted, HOLDING) or self._motion.leave_belt(HOLDING)
+        contact = self._track_to(X_BT_lifted, HOLDING) or self._motion.leave_belt(HOLDING)
+        self._tracking = contact is not None
+        return contact
 
-    def _place(self, plan: GraspPlan, container_slot: int) -> None:
-        motion, station = self._motion, self._station
-        half_opening = station.jaw_half_opening + RELEASE_GAP
+    def _place(self, plan: GraspPlan, container_slot: int) -> tuple[_Step, ...]:
+        """From the lifted part to the part in its slot and the tool above it."""
+        half_opening = self._station.jaw_half_opening + RELEASE_GAP
         place = self._reachable_place(plan, container_slot, half_opening)
         if place is None:
             self._end(f"slot {container_slot} is out of reach in this orientation", None, None)
-        above = place.X_BT_above
-        self._move(State.TRANSFER, "part lifted", lambda: motion.to_tool(above, HOLDING), None)
-        self._check_held(None)
-        inserting = HOLDING | {Touch.PRESSED}
-        to_slot = f"above slot {container_slot}"
-        self._move(State.INSERT, to_slot, lambda: motion.line_to(place.X_BT_release, inserting), above)
-        station.command_jaws(half_opening)
-        self._move(State.RELEASE, "in the slot", lambda: station.wait(RELEASE_TIME, HOLDING), above)
-        self._move(State.RETREAT, "released", lambda: motion.line_to(above, HOLDING), above)
+        motion, above = self._motion, place.X_BT_above
+        insert = partial(motion.line_to, place.X_BT_release, HOLDING | {Touch.PRESSED})
+        release = partial(self._station.wait, RELEASE_TIME, HOLDING)
+        return (
+            _Step(State.TRANSFER, "part lifted", partial(motion.to_tool, above, HOLDING), holds=True),
+            _Step(State.INSERT, f"above slot {container_slot}", insert, above),
+            _Step(State.RELEASE, "in the slot", release, above, jaws=half_opening),
+            _Step(State.RETREAT, "released", partial(motion.line_to, above, HOLDING), above),
+        )
 
-    def _move(self, state: State, reason: str, motion: Callable[[], Contact | None], retreat: Pose | None) -> None:
-        """Enters a state and moves; on a contact retreats to a tool pose, or to the joints before the move."""
-        self._to(state, reason)
+    def _take(self, step: _Step) -> None:
+        """Takes a step; where it fails, retreats and ends the attempt."""
+        if step.jaws is not None:
+            self._station.command_jaws(step.jaws)
+        self._to(step.state, step.reason)
         q_before = self._station.q
         try:
-            contact = motion()
+            contact = step.move()
         except Unreachable as unreachable:
-            self._end(str(unreachable), None, retreat)
-        if contact is None:
-            return
+            self._end(str(unreachable), None, step.retreat)
+        if contact is not None:
+            self._stop(contact, step.retreat, q_before)
+        if step.holds and self._station.jaw_half_opening < CLOSED_ON_NOTHING:
+            self._end("nothing between the jaws", None, step.retreat if self._tracking else None)
+
+    def _stop(self, contact: Contact, retreat: Pose | None, q_before: Array) -> NoReturn:
+        """Ends the attempt after a contact."""
+        reason = f"{contact.force:.0f} N against {contact.touch}"
         if retreat is None:
-            self._enter(State.RETREAT, f"{contact.force:.0f} N against {contact.touch}")
+            self._enter(State.RETREAT, reason)
             self._motion.to_joints(q_before, watch=frozenset())
             self._end("back where the move began", contact, None)
-        self._end(f"{contact.force:.0f} N against {contact.touch}", contact, retreat)
-
-    def _check_held(self, retreat: Pose | None) -> None:
-        """Ends the attempt when the jaws have closed on nothing."""
-        if self._station.jaw_half_opening < CLOSED_ON_NOTHING:
-            self._end("nothing between the jaws", None, retreat)
+        self._end(reason, contact, retreat)
 
     def _end(self, reason: str, contact: Contact | None, retreat: Pose | None) -> NoReturn:
         """Opens the jaws, goes straight back to `retreat` and ends the attempt; nothing is watched on the way out."""
