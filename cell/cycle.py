@@ -23,7 +23,16 @@ from cell.layout import Layout
 from cell.motion import Motion, Unreachable
 from cell.motion_limits import PRESETS, SpeedPreset
 from cell.perception import Perception
-from cell.records import AttemptRecord, DecisionRecord, FailedFrame, State, Tally, TimeSlot, Transition
+from cell.records import (
+    TRANSITIONS,
+    AttemptRecord,
+    DecisionRecord,
+    FailedFrame,
+    State,
+    Tally,
+    TimeSlot,
+    Transition,
+)
 from cell.viewpoints import REFINE_DISTANCE, SearchRun, SecondLook, search_run
 from maskval import Pose
 
@@ -63,6 +72,14 @@ class CycleConfig:
                 raise ValueError(f"expected {name} above 0 {unit}, got {getattr(self, name)}")
 
 
+@dataclass(frozen=True, slots=True)
+class _ViewEnd:
+    """How a view of the search ended: an attempt's outcome, if there was one, and whether to look at it again."""
+
+    outcome: Outcome | None
+    repeat: bool = False
+
+
 class Cycle:
     """Runs one experiment on a station. Everything that happens is told to the listener as a record."""
 
@@ -92,7 +109,7 @@ class Cycle:
         self._second_look = SecondLook(self._motion, center_O, config.refine_distance, config.settle_time)
         self._state = State.SEARCH
         self._slot = self._view = self._decisions = self._container_slot = 0
-        self._in_vain: int | None = None  # the slot in which a second look led to no grasp
+        self._looked_in_vain = False  # whether a second look led to no grasp in this time slot
 
     def _reachable_search(self, layout: Layout) -> SearchRun:
         slots = layout.container.rows * layout.container.columns
@@ -137,7 +154,7 @@ class Cycle:
         outcomes: list[Outcome] = []
         timeouts = 0
         for slot in range(self._config.parts):
-            self._slot = slot
+            self._slot, self._looked_in_vain = slot, False
             start = self._station.time
             ended_by = yield from self._run_slot(start + self._config.slot_time, outcomes)
             timeouts += ended_by is None
@@ -157,19 +174,17 @@ class Cycle:
     def _run_slot(self, deadline: float, outcomes: list[Outcome]) -> Deciding[Outcome | None]:
         """Until a part is placed, an attempt fails or the time is up; appends every outcome on the way."""
         while self._station.time < deadline:
-            outcome = yield from self._run_view(deadline)
-            if outcome is None:
-                self._view += 1
+            end = yield from self._run_view(deadline)
+            self._view += not end.repeat
+            if end.outcome is None:
                 continue
-            outcomes.append(outcome)
-            if outcome is not Outcome.PLACED:  # the rest of a view that gave a part is worth another look
-                self._view += 1
-            if outcome.is_true_positive or outcome.is_false_positive:
-                return outcome
+            outcomes.append(end.outcome)
+            if end.outcome.is_true_positive or end.outcome.is_false_positive:
+                return end.outcome
         return None
 
-    def _run_view(self, deadline: float) -> Deciding[Outcome | None]:
-        """One view of the search run, its second looks and the attempt that may follow; None without one."""
+    def _run_view(self, deadline: float) -> Deciding[_ViewEnd]:
+        """One view of the search run, its second looks and the attempt that may follow."""
         self._enter(State.SEARCH, f"view {self._view}")
         contact = self._move_camera(self._search.view(self._view))
         before: DecisionRecord | None = None  # at the same part
@@ -177,12 +192,9 @@ class Cycle:
             seen = yield from self._look(before is not None, deadline)
             action = seen.decision.action
             in_time = self._station.time < deadline
-            if action is Action.GRASP and not in_time:
-                self._view -= 1  # the next part's time begins with this view: there is something to grasp
             if action is Action.SEARCH or not in_time:
-                if before is not None:
-                    self._in_vain = self._slot
-                return None
+                self._looked_in_vain |= before is not None
+                return _ViewEnd(None, repeat=action is Action.GRASP)  # there is something for the next part's time
             if action is Action.GRASP and not self._wants_fresh_look(before):
                 if before is not None and self._second_look.tells_speed(before, seen):
                     self._enter(State.DECIDE, f"two looks say that the belt runs at {self._motion.belt_speed:.4f} m/s")
@@ -194,9 +206,9 @@ class Cycle:
                     self._enter(State.DECIDE, f"no fresh look: {reason}")
                     return self._attempt(seen)
                 self._enter(State.SEARCH, str(reason))
-                return None
+                return _ViewEnd(None)
             before = seen
-        return self._referee.verdict(contact)
+        return _ViewEnd(self._referee.verdict(contact))
 
     def _move_camera(self, X_BC: Pose) -> Contact | None:
         """Moves the camera; after a contact back to where the move began, with nothing watched on that way."""
@@ -226,7 +238,7 @@ class Cycle:
 
     def _wants_fresh_look(self, before: DecisionRecord | None) -> bool:
         """Whether a part is to be looked at again before it is grasped; not twice in vain: the error is the view's."""
-        return before is None and self._motion.belt is not None and self._in_vain != self._slot
+        return before is None and self._motion.belt is not None and not self._looked_in_vain
 
     def _look_again(self, seen: DecisionRecord) -> Contact | None:
         """Moves the camera to a second look; raises Unreachable if there is no way."""
@@ -234,7 +246,7 @@ class Cycle:
         self._enter(State.REFINE, f"{fresh}detection {seen.detection}")
         return self._move_camera(self._second_look.view(seen))
 
-    def _attempt(self, seen: DecisionRecord) -> Outcome:
+    def _attempt(self, seen: DecisionRecord) -> _ViewEnd:
         observation, index, start = seen.observation, seen.detection, self._station.time
         self._referee.attempt_begins(self._container_slot)
         reach = Attempt(self._motion, self._perception.part, self._enter).run(
@@ -261,8 +273,12 @@ class Cycle:
         )
         if reach.last_state in (State.INSERT, State.RELEASE, State.RETREAT):
             self._container_slot += 1  # something was put there, well or badly
-        return outcome
+        return _ViewEnd(outcome, repeat=outcome is Outcome.PLACED)  # the rest of the view is worth another look
 
     def _enter(self, state: State, reason: str) -> None:
+        if state not in TRANSITIONS[self._state]:
+            raise RuntimeError(
+                f"expected one of {', '.join(TRANSITIONS[self._state])} after {self._state}, got {state}"
+            )
         self._tell(Transition(self._station.time, self._state, state, reason))
         self._state = state

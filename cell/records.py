@@ -25,6 +25,25 @@ class State(StrEnum):
     DONE = "done"
 
 
+# The state machine: from each state to those that may follow. A time slot may end, and the experiment with it, after
+# every look, attempt and way back.
+TRANSITIONS: dict[State, frozenset[State]] = {
+    State.SEARCH: frozenset({State.LOOK, State.SEARCH, State.RETREAT, State.DONE}),
+    State.LOOK: frozenset({State.DECIDE}),
+    State.DECIDE: frozenset({State.DECIDE, State.SEARCH, State.REFINE, State.APPROACH, State.DONE}),
+    State.REFINE: frozenset({State.LOOK, State.DECIDE, State.SEARCH, State.RETREAT}),
+    State.APPROACH: frozenset({State.DESCEND, State.RETREAT}),
+    State.DESCEND: frozenset({State.CLOSE, State.RETREAT}),
+    State.CLOSE: frozenset({State.LIFT, State.RETREAT}),
+    State.LIFT: frozenset({State.TRANSFER, State.RETREAT}),
+    State.TRANSFER: frozenset({State.INSERT, State.RETREAT}),
+    State.INSERT: frozenset({State.RELEASE, State.RETREAT}),
+    State.RELEASE: frozenset({State.RETREAT}),
+    State.RETREAT: frozenset({State.RETREAT, State.SEARCH, State.DONE}),
+    State.DONE: frozenset(),
+}
+
+
 @dataclass(frozen=True, slots=True)
 class Transition:
     """From one state to another, at a time (s), for a reason in words."""
