@@ -31,6 +31,11 @@ class ImageCamera:
     depth_scale: float = 1.0
     X_CW: Pose | None = None
 
+    def __post_init__(self) -> None:
+        K = np.array(self.K, dtype=np.float64)
+        K.setflags(write=False)
+        object.__setattr__(self, "K", K)
+
     def camera(self, width: int, height: int) -> Camera:
         """The camera of an image of this size, pixels."""
         return Camera.from_K(self.K, width, height)

@@ -153,6 +153,12 @@ class ImageErrors:
     u: NDArray[np.float64]
     part_visibility: NDArray[np.float64]
 
+    def __post_init__(self) -> None:
+        for name in ("errors_m", "u", "part_visibility"):
+            array = np.array(getattr(self, name), dtype=np.float64)
+            array.setflags(write=False)
+            object.__setattr__(self, name, array)
+
 
 def match_images(images: Sequence[ImageErrors]) -> Evaluation:
     """The evaluation of images whose poses are matched to parts, the least error first and each part once.

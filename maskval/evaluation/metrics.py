@@ -50,6 +50,9 @@ class Sweep:
     ar: Mean
     aru: Mean
 
+    def __post_init__(self) -> None:
+        self.u.setflags(write=False)
+
     def index(self, u_T: float) -> int:
         """The threshold of the sweep that keeps what u_T keeps."""
         return int(np.searchsorted(self.u, u_T, side="right")) - 1
@@ -86,6 +89,12 @@ class RecallCurve:
     ar: NDArray[np.float64]
     aru: NDArray[np.float64]
     ar_star: NDArray[np.float64]
+
+    def __post_init__(self) -> None:
+        for name in ("errors_m", "ar", "aru", "ar_star"):
+            array = np.array(getattr(self, name), dtype=np.float64)
+            array.setflags(write=False)
+            object.__setattr__(self, name, array)
 
     @property
     def auc(self) -> float:

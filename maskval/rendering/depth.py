@@ -30,6 +30,9 @@ class DepthCrop:
     left: int
     top: int
 
+    def __post_init__(self) -> None:
+        self.depth.setflags(write=False)
+
 
 def depth_image(
     mesh: Mesh,

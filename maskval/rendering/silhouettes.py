@@ -32,6 +32,9 @@ class Silhouette:
     mask: NDArray[np.bool_]
     area_px: int
 
+    def __post_init__(self) -> None:
+        self.mask.setflags(write=False)
+
     @property
     def visibility(self) -> float:
         """Share of the whole silhouette that lies inside the image, in [0, 1]; 0 for an empty one."""
