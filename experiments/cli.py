@@ -10,6 +10,7 @@ import re
 import sys
 import traceback
 from collections.abc import Sequence
+from importlib.metadata import version
 from typing import Annotated, Any, NamedTuple
 
 import tyro
@@ -19,6 +20,7 @@ from experiments.commands.config import Compare, Picture, Run, Tolerance
 from experiments.commands.uq import Uq
 from experiments.dataset.config import Dataset
 from experiments.dataset.rules import Rules
+from experiments.doctor import Doctor
 from experiments.errors import UsageError
 from experiments.failure import explained
 from experiments.prediction.config import FitGap, Predict
@@ -36,7 +38,8 @@ _PLACE = re.compile(r"^Error parsing (?!--)\S+: ")  # tyro's, before the message
 _GROUPS: dict[str, type[Any]] = {"conditions": Conditions, "actors": Actors, "rules": Rules}  # by the field
 _DESCRIPTION = (
     "Closed-loop grasp experiments in simulation that tell which 6D-pose uncertainty can be trusted. "
-    "`graspcell COMMAND --help` explains a command; --debug, anywhere, shows where an error comes from."
+    "`graspcell COMMAND --help` explains a command; `graspcell --version` says which one this is; --debug, anywhere, "
+    "shows where an error comes from."
 )
 
 
@@ -59,6 +62,7 @@ COMMANDS = {
     "predict": Command(Predict, "experiments.prediction.command:predict"),
     "render-dataset": Command(RenderDataset, "experiments.rendering.command:render_dataset"),
     "uq": Command(Uq, "experiments.commands.uq:uq", engine=False),
+    "doctor": Command(Doctor, "experiments.doctor:doctor", engine=False),
 }
 _CHOICES = [Annotated[command.config, tyro.conf.subcommand(name)] for name, command in COMMANDS.items()]
 _COMMAND: Any = functools.reduce(operator.or_, _CHOICES)
@@ -77,6 +81,9 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
 def _run(arguments: Sequence[str]) -> int:
     """Does what the arguments ask for; returns the exit code."""
+    if arguments == ["--version"]:
+        print(f"graspcell {version('graspcell')}")
+        return 0
     config = parse(arguments)
     command = next(one for one in COMMANDS.values() if one.config is type(config))
     if command.engine:

@@ -154,7 +154,7 @@ def test_help_of_a_command_names_every_option_with_its_default(capsys: pytest.Ca
     told = command(capsys, job, "--help")
     names = options(COMMANDS[job][0])
     assert (told.code, told.err) == (0, "")
-    assert len(names) >= 5
+    assert len(names) >= 5 or job == "doctor"  # which has nothing to set
     assert [name for name in names if name not in told.out] == []
     words = " ".join(told.out.replace("│", " ").split())
     assert words.count("(default: ") + words.count("(required)") + words.count("(optional)") >= len(names)

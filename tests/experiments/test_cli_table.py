@@ -4,6 +4,7 @@ import subprocess
 import sys
 import typing
 from dataclasses import fields
+from importlib.metadata import version
 from pathlib import Path
 
 import pytest
@@ -36,13 +37,13 @@ def test_the_job_of_a_command_takes_its_configuration_and_returns_an_exit_code(n
 
 
 def test_no_two_commands_share_a_configuration() -> None:
-    assert len(COMMANDS) == 10
+    assert len(COMMANDS) == 11
     assert len({one.config for one in COMMANDS.values()}) == len(COMMANDS)
 
 
 def test_commands_that_need_no_engine_do_not_load_it() -> None:
     light = [one.job.partition(":")[0] for one in COMMANDS.values() if not one.engine]
-    assert len(light) == 3
+    assert len(light) == 4
     loaded = loaded_by(f"import {', '.join(light)}")
     assert set(light) <= loaded
     assert "mujoco" not in loaded
@@ -70,3 +71,8 @@ def test_compare_and_run_have_their_common_options_from_one_record() -> None:
     for config in (Compare, Run):
         assert options(config)[: len(common)] == common
         assert {field.name for field in fields(CellOptions)} & set(config.__annotations__) == set()
+
+
+def test_version_says_which_graspcell_this_is(capsys: pytest.CaptureFixture[str]) -> None:
+    told = command(capsys, "--version")
+    assert (told.code, told.out, told.err) == (0, f"graspcell {version('graspcell')}\n", "")

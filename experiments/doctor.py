@@ -1,0 +1,144 @@
+"""`graspcell doctor`: whether this machine has what the experiments need, and what to type where it does not."""
+
+import os
+import platform
+import re
+import subprocess
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+from importlib.metadata import PackageNotFoundError, requires, version
+from pathlib import Path
+from tempfile import TemporaryFile
+from typing import Any
+
+_OLDEST = (3, 11)
+_LIBRARIES = {"egl": "libegl1 libgl1", "osmesa": "libosmesa6"}  # by the name that MUJOCO_GL takes
+_PATIENCE = 120  # s for a first picture; a machine under load takes some 5
+_WORKER = 0.75e9  # bytes that a process of compare takes; 0.72e9 was measured
+
+
+@dataclass(frozen=True)
+class Doctor:
+    """Check this machine: Python, packages, off-screen OpenGL, Numba's cache, cores and memory.
+
+    Says what to type for what does not work. The exit code is 0 if everything that is needed works, else 1.
+    """
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """One thing that was looked at.
+
+    Attributes:
+        name: what.
+        works: whether it does.
+        found: version, place or reason.
+        remedy: what to type where it does not work.
+        needed: whether nothing runs without it.
+    """
+
+    name: str
+    works: bool
+    found: str
+    remedy: str
+    needed: bool = True
+
+
+def doctor(_: Doctor) -> int:
+    """Prints what was found, line by line as it is looked at; returns the exit code."""
+    broken = False
+    for finding in findings():
+        mark = "ok" if finding.works else "BROKEN" if finding.needed else "missing"
+        print(f"{mark:8}{finding.name:24}{finding.found}", flush=True)
+        if not finding.works:
+            print(f"{'':8}{'type':24}{finding.remedy}")
+            broken |= finding.needed
+    return int(broken)
+
+
+def findings() -> Iterator[Finding]:
+    """Everything that is looked at, in order."""
+    oldest = ".".join(map(str, _OLDEST))
+    yield Finding("python", sys.version_info >= _OLDEST, platform.python_version(), f"install Python {oldest} or newer")
+    yield from _packages()
+    for name, libraries in _LIBRARIES.items():
+        yield _opengl(name, libraries)
+    yield _numba_cache()
+    cores, memory = len(os.sched_getaffinity(0)), os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+    yield Finding("cores", cores > 0, str(cores), "")
+    fitting = max(1, int(memory / _WORKER))
+    enough = fitting >= cores
+    yield Finding("memory", enough, f"{memory / 2**30:.1f} GiB", f"--jobs {fitting} with every command", needed=False)
+
+
+def _packages() -> Iterator[Finding]:
+    """The package itself, then what it requires; extras are not."""
+    try:
+        yield Finding("graspcell", True, version("graspcell"), "")
+        wanted = [one for one in requires("graspcell") or () if "extra ==" not in one]
+    except PackageNotFoundError:
+        yield Finding("graspcell", False, "not installed", "pip install graspcell")
+        return
+    for requirement in wanted:
+        name = re.split(r"[^A-Za-z0-9._-]", requirement)[0]
+        remedy = f"pip install '{requirement}'"
+        try:
+            found = version(name)
+        except PackageNotFoundError:
+            yield Finding(name, False, "not installed", remedy)
+            continue
+        fits = meets(found, requirement)
+        yield Finding(name, fits, found if fits else f"{found}, expected {requirement}", remedy)
+
+
+def meets(found: str, requirement: str) -> bool:
+    """Whether a version is within the bounds >= and < of a requirement."""
+    bounds = re.findall(r"(>=|<)\s*([0-9.]+)", requirement)
+    return all((_numbers(found) >= _numbers(bound)) == (sign == ">=") for sign, bound in bounds)
+
+
+def _numbers(text: str) -> list[int]:
+    """The release: of 4.0.1rc1 4, 0, 1; zeros at the end say nothing."""
+    numbers = [int(part) for part in re.match(r"[0-9.]*[0-9]", text)[0].split(".")]  # type: ignore[index]
+    while numbers and not numbers[-1]:
+        numbers.pop()
+    return numbers
+
+
+def _opengl(name: str, libraries: str) -> Finding:
+    """Whether a picture can be rendered, tried in a process of its own: a broken library may end it."""
+    chosen = os.environ["MUJOCO_GL"]
+    remedy = f"sudo apt-get install {libraries}"
+    if name == chosen:
+        other = next(one for one in _LIBRARIES if one != name)
+        remedy += f"; or, if {other} works: export MUJOCO_GL={other}"
+    try:
+        done = subprocess.run(
+            [sys.executable, "-m", "sim.opengl"],
+            env={**os.environ, "MUJOCO_GL": name},
+            capture_output=True,
+            text=True,
+            timeout=_PATIENCE,
+            check=False,
+        )
+    except subprocess.TimeoutExpired:
+        return Finding(f"OpenGL by {name}", False, f"no picture within {_PATIENCE} s", remedy, name == chosen)
+    reason = (done.stderr.strip().splitlines() or [f"exit code {done.returncode}"])[-1]
+    works = done.returncode == 0
+    return Finding(f"OpenGL by {name}", works, "renders" if works else reason, remedy, name == chosen)
+
+
+def _numba_cache() -> Finding:
+    """Whether compiled kernels can be kept: else every process compiles for half a minute."""
+    remedy = "export NUMBA_CACHE_DIR=$HOME/.cache/numba"
+    try:
+        from maskval import _kernel  # noqa: PLC0415  # Numba takes a second
+
+        kernel: Any = _kernel.spans
+        folder = Path(kernel.stats.cache_path)
+        folder.mkdir(parents=True, exist_ok=True)
+        TemporaryFile(dir=folder).close()
+    except (OSError, RuntimeError, ImportError) as error:
+        return Finding("Numba's cache", False, str(error), remedy)
+    return Finding("Numba's cache", True, str(folder), remedy)
