@@ -29,6 +29,10 @@ study: $(READY)
 	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[dev,learn]'
 	$(BIN)/python -m pytest -m study
 
+# The picture in the README.
+picture: $(READY)
+	$(BIN)/graspcell picture --out docs/cell.png
+
 $(READY): pyproject.toml constraints.txt
 	sh .ci/system-libraries
 	$(PYTHON) -c 'import sys; sys.exit(None if sys.version_info >= (3, 11) else "Python 3.11 or newer is needed: make PYTHON=python3.12 ...")'
