@@ -143,3 +143,8 @@ def test_json_has_null_for_undefined_and_the_interval_as_two_numbers(tmp_path: P
 def test_json_refuses_not_a_number(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="not JSON compliant"):
         write_json(tmp_path / "table.json", {"ap": math.nan})
+
+
+def test_as_many_failed_or_left_as_placed_is_a_rate_of_one_half() -> None:
+    made = cell(count(tp=2, fp=2, fn=2))
+    assert (made.ap, made.ar, made.ap_pooled, made.ar_pooled) == (0.5, 0.5, 0.5, 0.5)
