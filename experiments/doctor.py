@@ -1,4 +1,7 @@
-"""`graspcell doctor`: whether this machine has what the experiments need, and what to type where it does not."""
+"""`graspcell doctor`: whether this machine has what the experiments need, and what to type where it does not.
+
+It needs nothing but Python: where `graspcell` itself does not start, `python -m experiments.doctor` says why.
+"""
 
 import os
 import platform
@@ -108,7 +111,7 @@ def _numbers(text: str) -> list[int]:
 
 def _opengl(name: str, libraries: str) -> Finding:
     """Whether a picture can be rendered, tried in a process of its own: a broken library may end it."""
-    chosen = os.environ["MUJOCO_GL"]
+    chosen = os.environ.get("MUJOCO_GL", "egl")
     remedy = f"sudo apt-get install {libraries}"
     if name == chosen:
         other = next(one for one in _LIBRARIES if one != name)
@@ -142,3 +145,7 @@ def _numba_cache() -> Finding:
     except (OSError, RuntimeError, ImportError) as error:
         return Finding("Numba's cache", False, str(error), remedy)
     return Finding("Numba's cache", True, str(folder), remedy)
+
+
+if __name__ == "__main__":
+    sys.exit(doctor(Doctor()))
