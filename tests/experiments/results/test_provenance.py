@@ -1,4 +1,5 @@
 import json
+import math
 import re
 import subprocess
 from importlib.metadata import version
@@ -91,3 +92,36 @@ def test_outside_of_git_the_commit_is_null(monkeypatch: pytest.MonkeyPatch, tmp_
 def test_a_commit_is_forty_hexadecimal_digits_or_null() -> None:
     commit = manifest(CONFIG)["commit"]
     assert commit is None or re.fullmatch(r"[0-9a-f]{40}", commit)
+
+
+def git(folder: Path, *arguments: str) -> str:
+    who = ("-c", "user.name=a", "-c", "user.email=a@b", "-c", "commit.gpgsign=false")
+    done = subprocess.run(["git", "-C", str(folder), *who, *arguments], capture_output=True, text=True, check=True)
+    return done.stdout.strip()
+
+
+def test_the_commit_is_what_git_says_of_the_folder_of_the_source(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(provenance, "__file__", str(tmp_path / "source.py"))
+    assert [manifest(CONFIG)[name] for name in ("commit", "dirty")] == [None, None]  # no checkout
+    git(tmp_path, "init", "--quiet")
+    assert manifest(CONFIG)["commit"] is None  # nor a commit
+    (tmp_path / "source.py").write_text("1")
+    git(tmp_path, "add", "source.py")
+    git(tmp_path, "commit", "--quiet", "--message", "first")
+    (tmp_path / "results.txt").write_text("untracked files are no other source")
+    assert [manifest(CONFIG)[name] for name in ("commit", "dirty")] == [git(tmp_path, "rev-parse", "HEAD"), False]
+    (tmp_path / "source.py").write_text("2")
+    assert manifest(CONFIG)["dirty"] is True
+    assert capfd.readouterr() == ("", "")  # what git says of it is nobody's business
+
+
+def test_json_is_indented_text_that_people_read_too_and_knows_no_nan(tmp_path: Path) -> None:
+    path = tmp_path / "a.json"
+    write_json(path, {"name": "größer", "file": Path("a/b"), "rates": [0.5, None]})
+    expected = '{\n  "name": "größer",\n  "file": "a/b",\n  "rates": [\n    0.5,\n    null\n  ]\n}\n'
+    assert path.read_text(encoding="utf-8") == expected
+    with pytest.raises(ValueError, match="not JSON compliant"):
+        write_json(path, math.nan)
+    assert path.read_text(encoding="utf-8") == expected
