@@ -5,7 +5,7 @@ The learner sees the least uncertain detection only, and decides between searchi
 
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any, SupportsFloat
@@ -173,9 +173,15 @@ def _counted(count: Tally | None, failure: str | None) -> Tally:
     return count
 
 
-def row(name: str, counts: Sequence[Tally]) -> tuple[str, ...]:
-    """A policy's line of the table: averages over experiments, Clopper-Pearson of the pooled counts, bootstrap."""
-    cell = make_cell("", name, counts)
+def row(name: str, counts: Sequence[Tally], worlds: Sequence[Hashable] | None = None) -> tuple[str, ...]:
+    """A policy's line of the table: averages over experiments with the intervals of `make_cell`, bootstrap of the rest.
+
+    Args:
+        name: What the line is called.
+        counts: Of each experiment.
+        worlds: See `make_cell`.
+    """
+    cell = make_cell("", name, counts, worlds)
     hourly = [3600.0 * count.tp / count.duration for count in counts]
     between = bootstrap_mean_interval(hourly, np.random.default_rng(0))
     ap = "–" if cell.ap is None else f"{100 * cell.ap:.1f}"
@@ -202,12 +208,14 @@ def main() -> None:
         model = learned(config)
     except (UsageError, EnvOptionError) as error:
         sys.exit(f"experiments.learn: error: {error}")
+    actors = Actors(gap=config.gap)
+    worlds = [actors.noise(config.object, experiment) or experiment for experiment in range(config.experiments)]
     rows = [
         HEADER,
-        row(f"learned ({model.num_timesteps} decisions)", tried_learned(model, config)),
-        row("maskval, the paper's threshold", tried_method("maskval", "paper", config)),
-        row("maskval, derived threshold", tried_method("maskval", "derived", config)),
-        row("none, always", tried_method("none", "paper", config)),
+        row(f"learned ({model.num_timesteps} decisions)", tried_learned(model, config), worlds),
+        row("maskval, the paper's threshold", tried_method("maskval", "paper", config), worlds),
+        row("maskval, derived threshold", tried_method("maskval", "derived", config), worlds),
+        row("none, always", tried_method("none", "paper", config), worlds),
     ]
     widths = [max(len(line[column]) for line in rows) for column in range(len(HEADER))]
     for line in rows:

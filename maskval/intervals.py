@@ -3,6 +3,7 @@
 import numpy as np
 import scipy
 from numpy.typing import ArrayLike, NDArray
+from scipy.special import betaincinv
 
 
 def proportion_interval(successes: int, trials: int, level: float = 0.95) -> tuple[float, float] | None:
@@ -18,8 +19,21 @@ def proportion_interval(successes: int, trials: int, level: float = 0.95) -> tup
     _check_level(level)
     if trials == 0:
         return None
-    interval = scipy.stats.binomtest(successes, trials).proportion_ci(level, method="exact")
-    return float(interval.low), float(interval.high)
+    return clopper_pearson(successes, trials, (1 - level) / 2)
+
+
+def clopper_pearson(successes: float, trials: float, tail: float) -> tuple[float, float]:
+    """The proportions beyond which the binomial tails hold less than `tail` each.
+
+    Args:
+        successes: In 0..trials; an effective number need not be whole.
+        trials: Above 0, likewise.
+        tail: Probability, in (0, 0.5).
+    """
+    failures = trials - successes
+    low = float(betaincinv(successes, failures + 1, tail)) if successes > 0 else 0.0
+    high = float(betaincinv(successes + 1, failures, 1 - tail)) if failures > 0 else 1.0
+    return low, high
 
 
 def mean_interval(values: ArrayLike, level: float = 0.95) -> tuple[float, float] | None:

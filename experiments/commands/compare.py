@@ -1,6 +1,6 @@
 """`graspcell compare`: the main job."""
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import closing
 from dataclasses import replace
@@ -113,10 +113,19 @@ def _write_all(specs: Sequence[ExperimentSpec], workers: int, logs: LogWriter, r
 
 def make_cells(specs: Sequence[ExperimentSpec], results: Sequence[ExperimentResult]) -> list[Cell]:
     """One cell per object and method that has at least one result, in the order of the specs."""
-    counts: dict[tuple[str, str], list[Tally | None]] = {(spec.part, spec.method): [] for spec in specs}
+    groups: dict[tuple[str, str], list[ExperimentResult]] = {(spec.part, spec.method): [] for spec in specs}
     for result in results:
-        counts[result.spec.part, result.spec.method].append(result.count)
-    return [make_cell(load_part(part).part.name, method, group) for (part, method), group in counts.items() if group]
+        groups[result.spec.part, result.spec.method].append(result)
+    return [
+        make_cell(
+            load_part(part).part.name,
+            method,
+            [result.count for result in group],
+            [_world(result.spec) for result in group],
+        )
+        for (part, method), group in groups.items()
+        if group
+    ]
 
 
 def make_pairs(specs: Sequence[ExperimentSpec], results: Sequence[ExperimentResult]) -> list[Paired]:
@@ -127,13 +136,18 @@ def make_pairs(specs: Sequence[ExperimentSpec], results: Sequence[ExperimentResu
     counts = {_place(result.spec): result.count for result in results}
     pairs = []
     for part in dict.fromkeys(spec.part for spec in specs):
-        groups: dict[str, dict[object, list[Tally | None]]] = {}
+        groups: dict[str, dict[Hashable, list[Tally | None]]] = {}
         for spec in specs:
             if spec.part == part:
-                world = spec.noise or spec.experiment
-                groups.setdefault(spec.method, {}).setdefault(world, []).append(counts.get(_place(spec)))
+                group = groups.setdefault(spec.method, {}).setdefault(_world(spec), [])
+                group.append(counts.get(_place(spec)))
         pairs += pair(load_part(part).part.name, {method: list(group.values()) for method, group in groups.items()})
     return pairs
+
+
+def _world(spec: ExperimentSpec) -> Hashable:
+    """Equal for experiments with one error model of a domain gap, which are no independent ones."""
+    return spec.noise or spec.experiment
 
 
 def _place(spec: ExperimentSpec) -> tuple[str, str, int]:

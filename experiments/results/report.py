@@ -26,7 +26,7 @@ _LEFT = 2  # columns of words; the others are numbers and stand right
 
 
 def format_table(cells: Sequence[Cell], *, as_paper: bool = True) -> str:
-    """The cells as an aligned table: averages over experiments, intervals of the pooled counts.
+    """The cells as an aligned table: averages over experiments with their intervals.
 
     Args:
         cells: The rows.

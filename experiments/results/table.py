@@ -1,12 +1,13 @@
 """From experiments to the cells of the table: the paper's averages, pooled figures and their intervals."""
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from dataclasses import asdict, dataclass
 from statistics import fmean
 from typing import Any
 
 from cell.records import Tally
 from maskval import proportion_interval
+from maskval.cluster_intervals import clustered_rate_interval
 
 Interval = tuple[float, float]
 
@@ -30,9 +31,12 @@ class Cell:
         ar: TP/(TP+FN), likewise.
         ap_pooled: the same of the summed counts.
         ar_pooled: likewise.
-        ap_ci: 95 % Clopper-Pearson interval of the pooled AP.
-        ar_ci: likewise of the pooled AR.
+        ap_ci: 95 % interval of `ap`, by the variance between worlds; see `clustered_rate_interval`.
+        ar_ci: likewise of `ar`.
         cycle_time_s: time of all experiments per placed part, s.
+        worlds: how many error models the experiments with a result had; without a domain gap each counts as one.
+        ap_pooled_ci: 95 % Clopper-Pearson interval of `ap_pooled`, as if all attempts were independent.
+        ar_pooled_ci: likewise of `ar_pooled`.
     """
 
     object: str
@@ -52,15 +56,27 @@ class Cell:
     ap_ci: Interval | None
     ar_ci: Interval | None
     cycle_time_s: float | None
+    worlds: int
+    ap_pooled_ci: Interval | None
+    ar_pooled_ci: Interval | None
 
     def as_json(self) -> dict[str, Any]:
         """The cell as it stands in table.json."""
         return asdict(self)
 
 
-def make_cell(part: str, method: str, counts: Sequence[Tally | None]) -> Cell:
-    """The cell of the experiments with one object and one method; None stands for an experiment that failed."""
+def make_cell(part: str, method: str, counts: Sequence[Tally | None], worlds: Sequence[Hashable] | None = None) -> Cell:
+    """The cell of the experiments with one object and one method.
+
+    Args:
+        part: Name of the part.
+        method: Name of the method.
+        counts: Of each experiment; None for one that failed.
+        worlds: Label of each experiment's world: those with one error model have one. Without it each has its own.
+    """
+    labels = range(len(counts)) if worlds is None else worlds
     done = [count for count in counts if count is not None]
+    world = [label for count, label in zip(counts, labels, strict=True) if count is not None]
     tp, fp, fn = (sum(getattr(count, name) for count in done) for name in ("tp", "fp", "fn"))
     return Cell(
         object=part,
@@ -77,12 +93,22 @@ def make_cell(part: str, method: str, counts: Sequence[Tally | None]) -> Cell:
         ar=_mean([count.ar for count in done]),
         ap_pooled=tp / (tp + fp) if tp + fp else None,
         ar_pooled=tp / (tp + fn) if tp + fn else None,
-        ap_ci=proportion_interval(tp, tp + fp),
-        ar_ci=proportion_interval(tp, tp + fn),
+        ap_ci=_interval([count.ap for count in done], [count.tp + count.fp for count in done], world),
+        ar_ci=_interval([count.ar for count in done], [count.tp + count.fn for count in done], world),
         cycle_time_s=sum(count.duration for count in done) / tp if tp else None,
+        worlds=len(set(world)),
+        ap_pooled_ci=proportion_interval(tp, tp + fp),
+        ar_pooled_ci=proportion_interval(tp, tp + fn),
     )
 
 
 def _mean(rates: Sequence[float | None]) -> float | None:
     defined = [rate for rate in rates if rate is not None]
     return fmean(defined) if defined else None
+
+
+def _interval(rates: Sequence[float | None], trials: Sequence[int], worlds: Sequence[Hashable]) -> Interval | None:
+    """The interval of the mean over the experiments that have a rate."""
+    defined = [rate for rate in rates if rate is not None]
+    places = [place for place, rate in enumerate(rates) if rate is not None]
+    return clustered_rate_interval(defined, [trials[place] for place in places], [worlds[place] for place in places])

@@ -24,4 +24,6 @@ def test_with_exact_masks_and_poses_every_part_is_placed(
     assert (cell["tp"], cell["fp"], cell["fn"], cell["timeouts"]) == (PARTS, 0, 0, 0)
     assert (cell["ap"], cell["ar"]) == (1.0, 1.0)
     # Clopper-Pearson of n of n: the lower end p solves pⁿ = 2.5 %.
-    assert cell["ap_ci"] == [pytest.approx(0.025 ** (1 / PARTS)), 1.0]
+    assert cell["ap_pooled_ci"] == [pytest.approx(0.025 ** (1 / PARTS)), 1.0]
+    # In one world they count as n / (1 + (n - 1) / 2): correlated by a half.
+    assert cell["ap_ci"] == [pytest.approx(0.025 ** ((1 + (PARTS - 1) / 2) / PARTS)), 1.0]

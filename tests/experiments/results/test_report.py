@@ -21,6 +21,9 @@ CELL = Cell(
     ap_ci=(0.868, 0.999),
     ar_ci=(0.910, 1.0),
     cycle_time_s=11.04,
+    worlds=5,
+    ap_pooled_ci=(0.868, 0.999),
+    ar_pooled_ci=(0.910, 1.0),
 )
 EMPTY = replace(
     CELL,
@@ -33,6 +36,8 @@ EMPTY = replace(
     ap_ci=None,
     ar_ci=None,
     cycle_time_s=None,
+    ap_pooled_ci=None,
+    ar_pooled_ci=None,
 )
 
 

@@ -12,7 +12,9 @@ from experiments.results.table import Cell, make_cell
 KEYS = [
     *("object", "method", "experiments", "failed", "parts", "tp", "fp", "fn", "void", "timeouts"),
     *("ap", "ar", "ap_pooled", "ar_pooled", "ap_ci", "ar_ci", "cycle_time_s"),
+    *("worlds", "ap_pooled_ci", "ar_pooled_ci"),
 ]
+RATES = ("ap", "ar", "ap_pooled", "ar_pooled", "ap_ci", "ar_ci", "ap_pooled_ci", "ar_pooled_ci", "cycle_time_s")
 
 
 def count(tp: int = 0, fp: int = 0, fn: int = 0, void: int = 0, parts: int = 8, duration: float = 100.0) -> Tally:
@@ -76,36 +78,34 @@ def test_counts_are_sums_over_the_experiments_that_have_a_result() -> None:
 def test_failed_experiments_weigh_nothing_in_any_rate() -> None:
     alone = cell(count(tp=5, fp=1, fn=2))
     beside = cell(None, count(tp=5, fp=1, fn=2), None)
-    rates = ("ap", "ar", "ap_pooled", "ar_pooled", "ap_ci", "ar_ci", "cycle_time_s")
-    assert [getattr(beside, rate) for rate in rates] == [getattr(alone, rate) for rate in rates]
+    assert [getattr(beside, rate) for rate in RATES] == [getattr(alone, rate) for rate in RATES]
 
 
 def test_what_is_undefined_is_none() -> None:
     nothing_happened = cell(count(fn=0, parts=0))
-    rates = ("ap", "ar", "ap_pooled", "ar_pooled", "ap_ci", "ar_ci", "cycle_time_s")
-    assert [getattr(nothing_happened, rate) for rate in rates] == len(rates) * [None]
+    assert [getattr(nothing_happened, rate) for rate in RATES] == len(RATES) * [None]
     only_failed = cell(None)
-    assert [getattr(only_failed, rate) for rate in rates] == len(rates) * [None]
+    assert [getattr(only_failed, rate) for rate in RATES] == len(RATES) * [None]
     assert (only_failed.experiments, only_failed.failed, only_failed.parts) == (0, 1, 0)
 
 
 @pytest.mark.parametrize("n", [1, 8, 40])
-def test_the_interval_of_n_out_of_n_begins_where_its_likelihood_is_a_fortieth(n: int) -> None:
+def test_the_pooled_interval_of_n_out_of_n_begins_where_its_likelihood_is_a_fortieth(n: int) -> None:
     # Clopper-Pearson: the lower end p of n of n solves pⁿ = α / 2 with α = 5 %.
     made = cell(count(tp=n, parts=n))
-    assert made.ap_ci == (pytest.approx(0.025 ** (1 / n)), 1.0)
-    assert made.ar_ci == (pytest.approx(0.025 ** (1 / n)), 1.0)
+    assert made.ap_pooled_ci == (pytest.approx(0.025 ** (1 / n)), 1.0)
+    assert made.ar_pooled_ci == (pytest.approx(0.025 ** (1 / n)), 1.0)
 
 
 @pytest.mark.parametrize("n", [1, 8, 40])
-def test_the_interval_of_none_out_of_n_is_that_of_n_out_of_n_mirrored(n: int) -> None:
+def test_the_pooled_interval_of_none_out_of_n_is_that_of_n_out_of_n_mirrored(n: int) -> None:
     made = cell(count(fp=n, fn=n, parts=n))
-    assert made.ap_ci == (0.0, pytest.approx(1 - 0.025 ** (1 / n)))
+    assert made.ap_pooled_ci == (0.0, pytest.approx(1 - 0.025 ** (1 / n)))
 
 
-def test_an_interval_ends_where_the_binomial_tails_hold_a_fortieth_each() -> None:
+def test_a_pooled_interval_ends_where_the_binomial_tails_hold_a_fortieth_each() -> None:
     placed, tried = 20, 26
-    ends = cell(count(tp=12, fp=4), count(tp=8, fp=2)).ap_ci
+    ends = cell(count(tp=12, fp=4), count(tp=8, fp=2)).ap_pooled_ci
     assert ends is not None
 
     def at_least(successes: int, p: float) -> float:
@@ -137,7 +137,7 @@ def test_json_has_null_for_undefined_and_the_interval_as_two_numbers(tmp_path: P
     assert read["ap"] is None
     assert read["ap_ci"] is None
     assert read["ar"] == 0.0
-    assert read["ar_ci"] == [0.0, pytest.approx(1 - 0.025 ** (1 / 8))]
+    assert read["ar_pooled_ci"] == [0.0, pytest.approx(1 - 0.025 ** (1 / 8))]
 
 
 def test_json_refuses_not_a_number(tmp_path: Path) -> None:
