@@ -12,7 +12,7 @@ from cell.records import Tally
 from experiments.commands.config import Compare
 from experiments.results.paired import Paired, format_paired, pair
 from experiments.results.provenance import manifest, write_json
-from experiments.results.report import format_table
+from experiments.results.report import LEGEND, format_table
 from experiments.results.store import LogWriter
 from experiments.results.table import Cell, make_cell
 from experiments.setup.checks import FAILED, writable_folder
@@ -64,6 +64,7 @@ def compare(config: Compare) -> int:
         print(f"policy: {config.actors.policy}")
     as_paper = config.actors.policy is None and config.conditions == Conditions()
     print(format_table(cells, as_paper=as_paper))
+    print(LEGEND)
     print(format_paired(pairs), end="\n" if pairs else "")
     for caveat in caveats(specs):
         print(caveat)
@@ -122,6 +123,7 @@ def make_cells(specs: Sequence[ExperimentSpec], results: Sequence[ExperimentResu
             method,
             [result.count for result in group],
             [_world(result.spec) for result in group],
+            [result.first for result in group],
         )
         for (part, method), group in groups.items()
         if group

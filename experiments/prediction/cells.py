@@ -2,11 +2,13 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from statistics import fmean
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cell.records import Tally
+from experiments.first_attempts import FirstAttempts
 from experiments.prediction.agreement import mmrv, pearson
 from maskval.intervals import percentile_interval
 
@@ -54,6 +56,9 @@ class PredictedCell:
         ap: predicted.
         ar: predicted.
         counts: of each experiment, by world, as [tp, fp, fn, timeouts].
+        ap_first: AP of the first attempt for each part (see `FirstAttempts`), mean over the experiments that have one.
+        parts_failed: distinct parts that an attempt failed for, summed over experiments.
+        first_attempts: of each experiment, by world, as [parts, placed, failed]; None in files that lack them.
     """
 
     object: str
@@ -66,10 +71,19 @@ class PredictedCell:
     ap: Rate
     ar: Rate
     counts: list[list[list[int]]]
+    ap_first: float | None = None
+    parts_failed: int | None = None
+    first_attempts: list[list[list[int]]] | None = None
 
 
 def predict_cell(
-    part: str, method: str, worlds: Sequence[Sequence[Tally]], paper: tuple[float, float] | None, seed: int
+    part: str,
+    method: str,
+    worlds: Sequence[Sequence[Tally]],
+    paper: tuple[float, float] | None,
+    seed: int,
+    *,
+    firsts: Sequence[Sequence[FirstAttempts]] | None = None,
 ) -> PredictedCell:
     """A cell from the counts of each world's experiments.
 
@@ -79,8 +93,11 @@ def predict_cell(
         worlds: At least one, each with at least one experiment.
         paper: AP and AR of the paper's robot.
         seed: Root of the replicates' random numbers.
+        firsts: First attempts of the same experiments, if they are known.
     """
     counts = [count for row in worlds for count in row]
+    known = [first for row in firsts or () for first in row]
+    defined = [first.ap for first in known if first.ap is not None]
     return PredictedCell(
         object=part,
         method=method,
@@ -92,6 +109,9 @@ def predict_cell(
         ap=_rate([[count.ap for count in row] for row in worlds], paper[0] if paper else None, seed),
         ar=_rate([[count.ar for count in row] for row in worlds], paper[1] if paper else None, seed),
         counts=[[[one.tp, one.fp, one.fn, one.timeouts] for one in row] for row in worlds],
+        ap_first=fmean(defined) if defined else None,
+        parts_failed=sum(first.failed for first in known) if known else None,
+        first_attempts=[[[one.parts, one.placed, one.failed] for one in row] for row in firsts] if firsts else None,
     )
 
 

@@ -73,10 +73,20 @@ def _cells(
     rows = [counts[start : start + size] for start in range(0, len(counts), size)]
     groups = {key: rows[number * config.worlds : (number + 1) * config.worlds] for number, key in enumerate(keys)}
     cells = [
-        predict_cell(part, method, group, ROBOT_TABLE.get((part, method)), config.seed)
+        predict_cell(
+            part,
+            method,
+            [[one.count for one in row] for row in group],
+            ROBOT_TABLE.get((part, method)),
+            config.seed,
+            firsts=[[one.first for one in row] for row in group],
+        )
         for (part, method), group in groups.items()
     ]
-    pairs = [pair(part, {method: groups[part, method] for method in config.methods}) for part in config.objects]
+    pairs = [
+        pair(part, {method: [[one.count for one in row] for row in groups[part, method]] for method in config.methods})
+        for part in config.objects
+    ]
     return cells, list(chain.from_iterable(pairs))
 
 

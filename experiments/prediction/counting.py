@@ -3,16 +3,26 @@
 import sys
 from collections.abc import Sequence
 from contextlib import closing
+from dataclasses import dataclass
 
 from tqdm import tqdm
 
 from cell.records import Tally
 from experiments.errors import ExperimentsFailedError
+from experiments.first_attempts import FirstAttempts
 from experiments.setup.experiment import ExperimentSpec, run_experiment
 from experiments.setup.pool import run_all
 
 
-def count_all(specs: Sequence[ExperimentSpec], jobs: int, description: str) -> list[Tally]:
+@dataclass(frozen=True, slots=True)
+class Counted:
+    """What an experiment came to, and what its first attempts did."""
+
+    count: Tally
+    first: FirstAttempts
+
+
+def count_all(specs: Sequence[ExperimentSpec], jobs: int, description: str) -> list[Counted]:
     """What each experiment came to.
 
     Raises:
@@ -24,17 +34,17 @@ def count_all(specs: Sequence[ExperimentSpec], jobs: int, description: str) -> l
         tqdm(total=len(specs), unit="experiment", desc=description, dynamic_ncols=True, file=sys.stderr) as progress,
         closing(run_all(count, specs, jobs)) as stream,
     ):
-        for spec, (counted, failure) in zip(specs, stream, strict=True):
-            if counted is None:
+        for spec, (counted, first, failure) in zip(specs, stream, strict=True):
+            if counted is None or first is None:
                 raise ExperimentsFailedError(
                     f"{spec.part} × {spec.method}, experiment {spec.experiment} failed: {failure}"
                 )
-            counts.append(counted)
+            counts.append(Counted(counted, first))
             progress.update()
     return counts
 
 
-def count(spec: ExperimentSpec) -> tuple[Tally | None, str | None]:
-    """An experiment's count, or the reason why there is none."""
+def count(spec: ExperimentSpec) -> tuple[Tally | None, FirstAttempts | None, str | None]:
+    """An experiment's counts, or the reason why there are none."""
     result = run_experiment(spec)
-    return result.count, result.failure
+    return result.count, result.first, result.failure

@@ -34,7 +34,7 @@ def gap(config: FitGap) -> int:
         for one in design()
         for experiment in range(config.experiments)
     ]
-    counted = count_all(specs, config.workers, config.part)
+    counted = [one.count for one in count_all(specs, config.workers, config.part)]
     grid = [counted[start : start + config.experiments] for start in range(0, len(specs), config.experiments)]
     paper = ROBOT_TABLE[config.part, "none"]
     found = fit_gap(grid, paper)

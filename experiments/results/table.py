@@ -6,6 +6,7 @@ from statistics import fmean
 from typing import Any
 
 from cell.records import Tally
+from experiments.first_attempts import FirstAttempts
 from maskval import proportion_interval
 from maskval.cluster_intervals import clustered_rate_interval
 
@@ -37,6 +38,9 @@ class Cell:
         worlds: how many error models the experiments with a result had; without a domain gap each counts as one.
         ap_pooled_ci: 95 % Clopper-Pearson interval of `ap_pooled`, as if all attempts were independent.
         ar_pooled_ci: likewise of `ar_pooled`.
+        ap_first: AP of the first attempt for each part (see `FirstAttempts`), mean over the experiments that have one.
+        ap_first_ci: 95 % interval of `ap_first`, as of `ap`.
+        parts_failed: distinct parts that an attempt failed for, summed over experiments.
     """
 
     object: str
@@ -59,13 +63,22 @@ class Cell:
     worlds: int
     ap_pooled_ci: Interval | None
     ar_pooled_ci: Interval | None
+    ap_first: float | None
+    ap_first_ci: Interval | None
+    parts_failed: int | None
 
     def as_json(self) -> dict[str, Any]:
         """The cell as it stands in table.json."""
         return asdict(self)
 
 
-def make_cell(part: str, method: str, counts: Sequence[Tally | None], worlds: Sequence[Hashable] | None = None) -> Cell:
+def make_cell(
+    part: str,
+    method: str,
+    counts: Sequence[Tally | None],
+    worlds: Sequence[Hashable] | None = None,
+    firsts: Sequence[FirstAttempts | None] = (),
+) -> Cell:
     """The cell of the experiments with one object and one method.
 
     Args:
@@ -73,10 +86,12 @@ def make_cell(part: str, method: str, counts: Sequence[Tally | None], worlds: Se
         method: Name of the method.
         counts: Of each experiment; None for one that failed.
         worlds: Label of each experiment's world: those with one error model have one. Without it each has its own.
+        firsts: First attempts of each experiment; None for one that failed. Without it they are unknown.
     """
     labels = range(len(counts)) if worlds is None else worlds
     done = [count for count in counts if count is not None]
     world = [label for count, label in zip(counts, labels, strict=True) if count is not None]
+    known = [first for first in firsts if first is not None]
     tp, fp, fn = (sum(getattr(count, name) for count in done) for name in ("tp", "fp", "fn"))
     return Cell(
         object=part,
@@ -99,6 +114,11 @@ def make_cell(part: str, method: str, counts: Sequence[Tally | None], worlds: Se
         worlds=len(set(world)),
         ap_pooled_ci=proportion_interval(tp, tp + fp),
         ar_pooled_ci=proportion_interval(tp, tp + fn),
+        ap_first=_mean([first.ap for first in known]),
+        ap_first_ci=_interval([first.ap for first in known], [first.parts for first in known], world)
+        if known
+        else None,
+        parts_failed=sum(first.failed for first in known) if known else None,
     )
 
 

@@ -14,6 +14,7 @@ from cell.records import Tally
 from cell.setup import EstimatorSetup
 from cell.viewpoints import REFINE_DISTANCE
 from experiments.errors import UsageError
+from experiments.first_attempts import FirstAttempts, first_attempts
 from experiments.results.recorder import Recorder, Row
 from experiments.setup.estimators import choose_estimators
 from experiments.setup.methods import Context, make_method
@@ -78,12 +79,13 @@ class ExperimentSpec:
 
 @dataclass(frozen=True, slots=True)
 class ExperimentResult:
-    """What came of an experiment: a count, or the reason why there is none; and the rows of its logs."""
+    """What came of an experiment: its counts, or the reason why there are none; and the rows of its logs."""
 
     spec: ExperimentSpec
     count: Tally | None
     failure: str | None
     tables: dict[str, list[Row]]
+    first: FirstAttempts | None = None
 
 
 @lru_cache(maxsize=4)  # kept, since compiling and opening a renderer take a second
@@ -122,7 +124,8 @@ def run_experiment(
     except (CellError, SimError, MaskvalError, UsageError) as error:
         failure = f"{type(error).__name__}: {error}"
     recorder.finish(spec.seed, spec.estimator, policy_name(spec.policy, spec.method), count, failure)
-    return ExperimentResult(spec, count, failure, recorder.tables)
+    first = None if count is None else first_attempts(recorder.tables)
+    return ExperimentResult(spec, count, failure, recorder.tables, first)
 
 
 def make_cycle(

@@ -50,10 +50,10 @@ def test_experiments_without_attempts_are_left_out_of_the_interval_of_ap() -> No
 
 
 def test_experiments_of_one_world_are_one_cluster() -> None:
-    counts = [count(8 - n, n, n) for n in (0, 1, 2, 3, 4, 5)]
-    twice = make_cell("handle", "none", counts + counts, [*range(6), *range(6)])
+    counts = [count(8 - n, n, n) for n in (0, 1, 2, 3, 4, 5, 6, 5, 4, 3, 2, 1)]
+    twice = make_cell("handle", "none", counts + counts, [*range(12), *range(12)])
     apart = make_cell("handle", "none", counts + counts)
-    assert (twice.worlds, apart.worlds) == (6, 12)
+    assert (twice.worlds, apart.worlds) == (12, 24)
     assert twice.ap == apart.ap
     assert twice.ap_ci[1] - twice.ap_ci[0] > 1.2 * (apart.ap_ci[1] - apart.ap_ci[0])
 

@@ -5,7 +5,9 @@ import pytest
 
 from cell.records import Tally
 from experiments.cli import main
+from experiments.first_attempts import FirstAttempts
 from experiments.prediction.cells import Rate, agreement, predict_cell
+from experiments.prediction.counting import Counted
 from experiments.prediction.setting import Setting
 from experiments.prediction.variants import VARIANTS
 from experiments.setup.thresholds import load_thresholds
@@ -97,7 +99,7 @@ def test_what_ends_a_prediction_early_leaves_the_variants_that_are_finished(tmp_
     def counted(specs, jobs, description):
         if description == "speed-fast":
             raise BrokenProcessPool("killed")
-        return [count(8, 0, 0) for _ in specs]
+        return [Counted(count(8, 0, 0), FirstAttempts(8, 8, 0)) for _ in specs]
 
     monkeypatch.setattr("experiments.prediction.command.count_all", counted)
     with pytest.raises(SystemExit) as end:

@@ -1,6 +1,6 @@
 from dataclasses import replace
 
-from experiments.results.report import format_table
+from experiments.results.report import LEGEND, format_table
 from experiments.results.table import Cell
 
 CELL = Cell(
@@ -24,6 +24,9 @@ CELL = Cell(
     worlds=5,
     ap_pooled_ci=(0.868, 0.999),
     ar_pooled_ci=(0.910, 1.0),
+    ap_first=37 / 39,
+    ap_first_ci=(0.851, 0.999),
+    parts_failed=1,
 )
 EMPTY = replace(
     CELL,
@@ -38,23 +41,22 @@ EMPTY = replace(
     cycle_time_s=None,
     ap_pooled_ci=None,
     ar_pooled_ci=None,
+    ap_first=None,
+    ap_first_ci=None,
+    parts_failed=None,
 )
 
 
-def test_the_papers_figures_stand_beside_its_own_experiments_only() -> None:
-    (row,) = format_table([CELL], as_paper=False).splitlines()[2:]
-    assert row.split().count("–") == 2
-    (row,) = format_table([CELL]).splitlines()[2:]
-    assert row.split().count("–") == 0
-
-
-def words(*cells: Cell) -> list[dict[str, str]]:
-    """The rows of the table as words by column; the two columns of the paper become paper and paper 2, and so on."""
-    header, _, *rows = format_table(cells).splitlines()
+def words(*cells: Cell, as_paper: bool = True) -> list[dict[str, str]]:
+    """The rows of the table as words by column; AP and AR with the paper's beside, the second interval as [95%] 2."""
+    header, _, *rows = format_table(cells, as_paper=as_paper).splitlines()
     names: list[str] = []
-    for name in header.replace("AP %", "AP%").replace("AR %", "AR%").replace("[95 %]", "[95%]").split():
+    for name in header.replace(" % (paper)", "").replace(" %", "").split():
         names.append(name if name not in names else f"{name} 2")
-    return [dict(zip(names, row.split(maxsplit=len(names) - 1), strict=True)) for row in rows]
+    return [
+        dict(zip(names, row.replace(" (", "(", 2 * as_paper).split(maxsplit=len(names) - 1), strict=True))
+        for row in rows
+    ]
 
 
 def test_figures_stand_under_their_names_with_the_papers_beside() -> None:
@@ -62,37 +64,53 @@ def test_figures_stand_under_their_names_with_the_papers_beside() -> None:
     assert row == {
         "object": "antenna",
         "method": "maskval",
-        "AP%": "97.5",
-        "[95%]": "87–100",
-        "paper": "97.5",
-        "AR%": "100.0",
-        "[95%] 2": "91–100",
-        "paper 2": "100.0",
+        "AP": "97.5(97.5)",
+        "[95]": "87–100",
+        "first": "94.9",
+        "AR": "100.0(100)",
+        "[95] 2": "91–100",
         "TP": "39",
         "FP": "1",
+        "on": "1",
         "FN": "0",
-        "void": "3",
-        "time-outs": "2",
-        "s/part": "11.0",
+        "s": "11.0",
         "runs": "5",
     }
 
 
+def test_the_papers_figures_stand_beside_its_own_experiments_only() -> None:
+    assert "paper" in format_table([CELL])
+    assert "paper" not in format_table([CELL], as_paper=False)
+    (row,) = words(CELL, as_paper=False)
+    assert (row["AP"], row["AR"]) == ("97.5", "100.0")
+
+
 def test_the_papers_figures_are_those_of_the_same_object_and_method() -> None:
     rows = words(replace(CELL, object="handle", method="none"), replace(CELL, method="ensemble-add"))
-    assert [(row["paper"], row["paper 2"]) for row in rows] == [("61.4", "50.0"), ("96.0", "50.0")]
+    assert [(row["AP"], row["AR"]) for row in rows] == [("97.5(61.4)", "100.0(50)"), ("97.5(96)", "100.0(50)")]
 
 
-def test_an_object_or_method_that_the_paper_does_not_have_shows_a_dash() -> None:
-    rows = words(replace(CELL, object="mug"), replace(CELL, method="coin-toss"))
-    assert [(row["paper"], row["paper 2"]) for row in rows] == 2 * [("–", "–")]
-    assert [row["AP%"] for row in rows] == 2 * ["97.5"]
+def test_an_object_or_method_that_the_paper_does_not_have_has_nothing_beside() -> None:
+    for cell in (replace(CELL, object="mug"), replace(CELL, method="coin-toss")):
+        _, _, row = format_table([cell]).splitlines()
+        assert "(" not in row
+        assert row.split()[2:6] == ["97.5", "87–100", "94.9", "100.0"]
 
 
 def test_undefined_rates_show_a_dash_and_no_zero() -> None:
     (row,) = words(EMPTY)
-    assert [row[name] for name in ("AP%", "[95%]", "AR%", "[95%] 2", "s/part")] == 5 * ["–"]
-    assert row["paper"] == "90.0"
+    assert [row[name] for name in ("[95]", "first", "[95] 2", "on", "s")] == 5 * ["–"]
+    assert (row["AP"], row["AR"]) == ("–(90)", "–(82.5)")
+
+
+def test_the_papers_six_rows_fit_in_a_hundred_columns() -> None:
+    worst = replace(CELL, ap=1.0, ar=1.0, ap_ci=(0.9, 1.0), ar_ci=(0.9, 1.0), ap_first=1.0, tp=160, fp=160, fn=160)
+    worst = replace(worst, parts_failed=99, experiments=20)
+    methods = ("none", "ensemble-add", "maskval")
+    table = format_table(
+        [replace(worst, object=part, method=name) for part in ("antenna", "handle") for name in methods]
+    )
+    assert max(map(len, [*table.splitlines(), LEGEND])) <= 100
 
 
 def test_missing_experiments_are_told_beside_those_that_count() -> None:
