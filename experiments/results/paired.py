@@ -8,6 +8,7 @@ from typing import Any
 from cell.records import Tally
 from experiments.results.table import Interval
 from maskval import mean_interval
+from maskval.cluster_intervals import clustered_rate_interval
 
 REFERENCE = "maskval"  # what the others are held against, if it is among them
 
@@ -24,7 +25,7 @@ class Paired:
         reference: name of the other one.
         experiments: how many have a result with both.
         placed: mean difference of TP, over groups.
-        placed_ci: its 95 % interval; None of fewer than two groups of experiments, or if all differ by the same.
+        placed_ci: its 95 % interval, see `difference_interval`; None of fewer than two groups of experiments.
         failed: mean difference of FP, over groups.
         failed_ci: its 95 % interval.
     """
@@ -57,6 +58,7 @@ def pair(part: str, counts: Counts) -> list[Paired]:
         groups = [_both(ours, theirs) for ours, theirs in zip(counts[method], counts[reference], strict=True)]
         if method == reference or not any(groups):
             continue
+        slots = [[ours.parts for ours, _ in group] for group in groups if group]
         placed = [fmean(ours.tp - theirs.tp for ours, theirs in group) for group in groups if group]
         failed = [fmean(ours.fp - theirs.fp for ours, theirs in group) for group in groups if group]
         rows.append(
@@ -66,12 +68,36 @@ def pair(part: str, counts: Counts) -> list[Paired]:
                 reference=reference,
                 experiments=sum(map(len, groups)),
                 placed=fmean(placed),
-                placed_ci=mean_interval(placed),
+                placed_ci=difference_interval(placed, slots),
                 failed=fmean(failed),
-                failed_ci=mean_interval(failed),
+                failed_ci=difference_interval(failed, slots),
             )
         )
     return rows
+
+
+def difference_interval(differences: Sequence[float], slots: Sequence[Sequence[int]]) -> Interval | None:
+    """The 95 % interval of the mean difference per experiment; None of fewer than two groups.
+
+    Student's over the groups. If all of them differ by the same d, that has no width, though further ones may differ
+    otherwise. Then every time slot is a trial that did not depart from d, and on either side as many parts may depart
+    as the upper bound of such a share allows: that of `clustered_rate_interval` for none of n.
+
+    Args:
+        differences: Mean difference of each group, in parts per experiment.
+        slots: Of each group, the number of time slots of its experiments.
+    """
+    if len(differences) < 2:
+        return None
+    varied = mean_interval(differences)
+    if varied is not None:
+        return varied
+    trials = [slot for group in slots for slot in group]
+    groups = [number for number, group in enumerate(slots) for _ in group]
+    share = clustered_rate_interval([0.0] * len(trials), trials, groups)
+    assert share is not None  # there are trials
+    most = fmean(trials)
+    return max(differences[0] - most * share[1], -most), min(differences[0] + most * share[1], most)
 
 
 def format_paired(rows: Sequence[Paired]) -> str:
