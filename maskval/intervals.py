@@ -56,7 +56,7 @@ def mean_interval(values: ArrayLike, level: float = 0.95) -> tuple[float, float]
 def bootstrap_mean_interval(
     values: ArrayLike, rng: np.random.Generator, level: float = 0.95, resamples: int = 2000
 ) -> tuple[float, float] | None:
-    """The percentile bootstrap interval of a mean, in the unit of the values, or None without values.
+    """The percentile bootstrap interval of a mean, in the unit of the values; None without values or with few samples.
 
     Args:
         values: Independent observations, (N,), finite.
@@ -75,15 +75,20 @@ def bootstrap_mean_interval(
     )
 
 
-def percentile_interval(statistics: ArrayLike, level: float = 0.95) -> tuple[float, float]:
-    """The middle share of bootstrap statistics, as its two ends.
+def percentile_interval(statistics: ArrayLike, level: float = 0.95) -> tuple[float, float] | None:
+    """The middle share of bootstrap statistics, as its two ends; None of fewer than 2 / (1 - level): 40 for 95 %.
+
+    Of fewer, less than one would be expected beyond each end.
 
     Args:
-        statistics: The statistic of each bootstrap sample, (R,), R >= 1.
+        statistics: The statistic of each bootstrap sample, (R,).
         level: Share that lies between the ends, in (0, 1).
     """
     _check_level(level)
-    low, high = np.quantile(np.asarray(statistics, dtype=np.float64), ((1 - level) / 2, (1 + level) / 2))
+    drawn = np.asarray(statistics, dtype=np.float64)
+    if len(drawn) < round(2 / (1 - level)):
+        return None
+    low, high = np.quantile(drawn, ((1 - level) / 2, (1 + level) / 2))
     return float(low), float(high)
 
 

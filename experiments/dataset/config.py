@@ -39,7 +39,7 @@ class Dataset:
     jobs: int = 0
     """Processes to make images in; 0 takes one per core. The results do not depend on it."""
     resamples: int = 200
-    """Bootstrap samples of the 95 % intervals; they draw whole images."""
+    """Bootstrap samples of the 95 % intervals; they draw whole images. Fewer than 40 give no interval."""
     rules: CountingRules = field(default_factory=Rules)
     annotated_visibility: float = ANNOTATED_VISIBILITY
     """Least visible share of a part that the detector is asked for, 0 to 1; 0.1 as in BOP's 2D tasks."""

@@ -71,9 +71,12 @@ def _cell(measured: Measured, paper: float | None, unit: float, digits: int = 1)
 
 
 def _own(measured: Measured, unit: float, digits: int) -> str:
-    """The value and its interval."""
-    low, high = measured.interval or (None, None)
-    return f"{_number(measured.value, unit, digits)} [{_number(low, unit, digits)}, {_number(high, unit, digits)}]"
+    """The value and its interval, if it has one."""
+    value = _number(measured.value, unit, digits)
+    if measured.interval is None:
+        return value
+    low, high = measured.interval
+    return f"{value} [{_number(low, unit, digits)}, {_number(high, unit, digits)}]"
 
 
 def _number(value: float | None, unit: float, digits: int) -> str:

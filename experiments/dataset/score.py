@@ -145,9 +145,9 @@ def _measured(values: Figures | MaskFigures, samples: Iterable[Figures | MaskFig
 
 
 def _interval(samples: Iterable[float | None]) -> tuple[float, float] | None:
-    """The percentile interval of the samples in which a figure is defined."""
+    """The percentile interval of the samples in which a figure is defined; None of fewer than 40."""
     defined = [value for value in samples if value is not None]
-    return percentile_interval(defined, LEVEL) if defined else None
+    return percentile_interval(defined, LEVEL)
 
 
 def _median(values: Array) -> float | None:

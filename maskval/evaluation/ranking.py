@@ -71,7 +71,7 @@ def bootstrap_interval(
     """The percentile bootstrap interval of any metric, by resampling whole images; or None.
 
     Poses of one image share its light and its clutter, so images are drawn, not poses. Samples in which the statistic
-    is undefined are left out; the interval is None if it is undefined in all.
+    is undefined are left out; of fewer than 2 / (1 - level) others the interval is None.
 
     Args:
         evaluation: Poses and parts.
@@ -87,7 +87,7 @@ def bootstrap_interval(
         for _ in range(resamples)
     )
     defined = [value for value in values if value is not None]
-    return percentile_interval(defined, level) if defined else None
+    return percentile_interval(defined, level)
 
 
 def _pair(u: ArrayLike, other: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

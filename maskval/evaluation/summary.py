@@ -207,6 +207,6 @@ def _bootstrap(
             if value is not None:
                 drawn[name].append(value)
     return {
-        name: Measured(statistic(evaluation), percentile_interval(drawn[name], level) if drawn[name] else None)
+        name: Measured(statistic(evaluation), percentile_interval(drawn[name], level))
         for name, statistic in statistics.items()
     }

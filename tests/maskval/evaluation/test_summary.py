@@ -30,7 +30,7 @@ def evaluation(images: int = 60, *, noise: float = 0.0) -> Evaluation:
 
 def test_a_summary_holds_the_metrics_of_the_evaluation() -> None:
     made = evaluation(noise=0.1)
-    found = summarise(made, 0.015, resamples=20)
+    found = summarise(made, 0.015, resamples=40)
     owned = np.isfinite(made.errors_m)
     bad = made.errors_m > 0.015
     assert (found.images, found.poses, found.parts) == (60, 120, 120)
