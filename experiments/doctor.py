@@ -136,9 +136,9 @@ def _numba_cache() -> Finding:
     """Whether compiled kernels can be kept: else every process compiles for half a minute."""
     remedy = "export NUMBA_CACHE_DIR=$HOME/.cache/numba"
     try:
-        from maskval import _kernel  # noqa: PLC0415  # Numba takes a second
+        from maskval.rendering import kernels  # noqa: PLC0415  # Numba takes a second
 
-        kernel: Any = _kernel.spans
+        kernel: Any = kernels.spans
         folder = Path(kernel.stats.cache_path)
         folder.mkdir(parents=True, exist_ok=True)
         TemporaryFile(dir=folder).close()

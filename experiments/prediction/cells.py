@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from cell.records import Tally
 from experiments.first_attempts import FirstAttempts
-from experiments.prediction.agreement import mmrv, pearson
 from maskval.intervals import percentile_interval
 
 EXPERIMENTS = 5  # of the paper's robot per cell
@@ -113,22 +112,6 @@ def predict_cell(
         parts_failed=sum(first.failed for first in known) if known else None,
         first_attempts=[[[one.parts, one.placed, one.failed] for one in row] for row in firsts] if firsts else None,
     )
-
-
-def agreement(cells: Sequence[PredictedCell]) -> dict[str, dict[str, float | int | None]]:
-    """MMRV, Pearson's correlation and the number of cells that agree, over the cells that the paper has, by rate."""
-    found: dict[str, dict[str, float | int | None]] = {}
-    for name in ("ap", "ar"):
-        rates = [rate for cell in cells if (rate := getattr(cell, name)).paper is not None and rate.mean is not None]
-        if rates:
-            simulated, real = [rate.mean for rate in rates], [rate.paper for rate in rates]
-            found[name] = {
-                "mmrv": mmrv(simulated, real),
-                "pearson": pearson(simulated, real),
-                "agree": sum(bool(rate.agrees) for rate in rates),
-                "cells": len(rates),
-            }
-    return found
 
 
 def _rate(worlds: list[list[float | None]], paper: float | None, seed: int) -> Rate:

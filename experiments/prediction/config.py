@@ -53,8 +53,8 @@ class Predict:
 
     Every world has an accepted parameter set of the error model and a draw of the domain gap; in each, several
     experiments are run with every method. Prints AP and AR with the 95 % interval of a mean over 5 experiments of one
-    world, which of the paper's cells lie in it, and the agreement in one number. Writes predict.json and manifest.json
-    to --out.
+    world, which of the paper's cells lie outside, how probable its predicted cells are jointly, and whether the
+    prediction beats a random table. Writes predict.json and manifest.json to --out.
     """
 
     objects: tuple[str, ...] = ("antenna", "handle")

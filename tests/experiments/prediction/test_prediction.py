@@ -6,7 +6,7 @@ import pytest
 from cell.records import Tally
 from experiments.cli import main
 from experiments.first_attempts import FirstAttempts
-from experiments.prediction.cells import Rate, agreement, predict_cell
+from experiments.prediction.cells import Rate, predict_cell
 from experiments.prediction.counting import Counted
 from experiments.prediction.setting import Setting
 from experiments.prediction.variants import VARIANTS
@@ -48,18 +48,6 @@ def test_a_cell_without_any_attempt_has_no_ap() -> None:
     cell = predict_cell("antenna", "none", [[count(0, 0, 8)]], (0.9, 0.9), seed=0)
     assert cell.ap == Rate(None, None, 0.9)
     assert cell.ap.agrees is None
-
-
-def test_agreement_counts_the_cells_that_the_paper_has() -> None:
-    cells = [
-        predict_cell("antenna", "none", [[count(4, 4, 4)]], (0.5, 0.6), seed=0),
-        predict_cell("antenna", "maskval", [[count(8, 0, 0)]], (1.0, 1.0), seed=0),
-        predict_cell("antenna", "random", [[count(8, 0, 0)]], None, seed=0),
-    ]
-    found = agreement(cells)
-    assert (found["ap"]["agree"], found["ap"]["cells"], found["ap"]["mmrv"]) == (2, 2, 0.0)
-    assert found["ap"]["pearson"] == pytest.approx(1.0)
-    assert found["ar"]["agree"] == 1
 
 
 def test_every_variant_but_the_base_changes_its_setting() -> None:
