@@ -17,10 +17,10 @@ import tyro
 
 from experiments.calibration.config import Calibrate
 from experiments.commands.config import Compare, Picture, Run, Tolerance
+from experiments.commands.doctor import Doctor
 from experiments.commands.uq import Uq
 from experiments.dataset.config import Dataset
 from experiments.dataset.rules import Rules
-from experiments.doctor import Doctor
 from experiments.errors import UsageError
 from experiments.failure import explained
 from experiments.prediction.config import FitGap, Predict
@@ -62,7 +62,7 @@ COMMANDS = {
     "predict": Command(Predict, "experiments.prediction.command:predict"),
     "render-dataset": Command(RenderDataset, "experiments.rendering.command:render_dataset"),
     "uq": Command(Uq, "experiments.commands.uq:uq", engine=False),
-    "doctor": Command(Doctor, "experiments.doctor:doctor", engine=False),
+    "doctor": Command(Doctor, "experiments.commands.doctor:doctor", engine=False),
 }
 _CHOICES = [Annotated[command.config, tyro.conf.subcommand(name)] for name, command in COMMANDS.items()]
 _COMMAND: Any = functools.reduce(operator.or_, _CHOICES)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cell.records import Tally
-from experiments.first_attempts import FirstAttempts
+from experiments.results.first_attempts import FirstAttempts
 from maskval.intervals import percentile_interval
 
 EXPERIMENTS = 5  # of the paper's robot per cell

@@ -9,7 +9,7 @@ from tqdm import tqdm
 
 from cell.records import Tally
 from experiments.errors import ExperimentsFailedError
-from experiments.first_attempts import FirstAttempts
+from experiments.results.first_attempts import FirstAttempts
 from experiments.setup.experiment import ExperimentSpec, run_experiment
 from experiments.setup.pool import run_all
 

@@ -12,9 +12,9 @@ from pathlib import Path
 from typing import Any
 
 from cell.records import Tally
-from experiments.first_attempts import FirstAttempts
 from experiments.prediction.cells import PredictedCell, Rate, predict_cell
 from experiments.prediction.joint import Joint, joint
+from experiments.results.first_attempts import FirstAttempts
 from experiments.results.paired import Paired, format_paired, pair
 from experiments.results.paper import ROBOT_TABLE
 from experiments.results.provenance import write_json

@@ -6,7 +6,7 @@ from statistics import fmean
 from typing import Any
 
 from cell.records import Tally
-from experiments.first_attempts import FirstAttempts
+from experiments.results.first_attempts import FirstAttempts
 from maskval import proportion_interval
 from maskval.cluster_intervals import clustered_rate_interval
 

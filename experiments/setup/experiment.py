@@ -14,7 +14,7 @@ from cell.records import Tally
 from cell.setup import EstimatorSetup
 from cell.viewpoints import REFINE_DISTANCE
 from experiments.errors import UsageError
-from experiments.first_attempts import FirstAttempts, first_attempts
+from experiments.results.first_attempts import FirstAttempts, first_attempts
 from experiments.results.recorder import Recorder, Row
 from experiments.setup.estimators import choose_estimators
 from experiments.setup.methods import Context, make_method

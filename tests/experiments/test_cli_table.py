@@ -51,7 +51,7 @@ def test_commands_that_need_no_engine_do_not_load_it() -> None:
 
 def test_the_doctor_needs_nothing_but_python() -> None:
     own = {"numpy", "scipy", "tyro", "cv2", "maskval", "cell", "sim"}
-    assert loaded_by("import experiments.doctor") & own == set()
+    assert loaded_by("import experiments.commands.doctor") & own == set()
 
 
 def test_help_loads_neither_the_engine_nor_what_computes() -> None:

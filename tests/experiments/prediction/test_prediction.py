@@ -5,11 +5,11 @@ import pytest
 
 from cell.records import Tally
 from experiments.cli import main
-from experiments.first_attempts import FirstAttempts
 from experiments.prediction.cells import Rate, predict_cell
 from experiments.prediction.counting import Counted
 from experiments.prediction.setting import Setting
 from experiments.prediction.variants import VARIANTS
+from experiments.results.first_attempts import FirstAttempts
 from experiments.setup.thresholds import load_thresholds
 
 

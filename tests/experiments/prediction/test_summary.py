@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from cell.records import Tally
-from experiments.first_attempts import FirstAttempts
 from experiments.prediction.summary import format_summary, main, reread, summarise
+from experiments.results.first_attempts import FirstAttempts
 from experiments.results.provenance import write_json
 
 DOCS = Path(__file__).parents[3] / "docs"

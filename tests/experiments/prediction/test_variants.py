@@ -5,8 +5,10 @@ import pytest
 
 from cell.records import Tally
 from experiments.cli import main
+from experiments.prediction.counting import Counted
 from experiments.prediction.setting import Setting
 from experiments.prediction.variants import VARIANTS
+from experiments.results.first_attempts import FirstAttempts
 from experiments.setup.error_models import error_model, error_model_of
 from experiments.setup.thresholds import load_thresholds
 from maskval import Pose
@@ -124,7 +126,8 @@ def test_a_prediction_runs_each_variant_in_its_own_worlds(tmp_path, monkeypatch)
 
     def counted(specs, jobs, description):
         noise[description] = [spec.noise for spec in specs]
-        return [Tally(parts=8, tp=8, fp=0, fn=0, void=0, unreachable=0, timeouts=0, duration=9.0) for _ in specs]
+        count = Tally(parts=8, tp=8, fp=0, fn=0, void=0, unreachable=0, timeouts=0, duration=9.0)
+        return [Counted(count, FirstAttempts(8, 8, 0)) for _ in specs]
 
     monkeypatch.setattr("experiments.prediction.command.count_all", counted)
     with pytest.raises(SystemExit, match=r"^0$"):

@@ -6,7 +6,7 @@ import pytest
 from cell.interfaces import Detection, Frame
 from maskval import Camera, Pose, silhouette
 from sim.errors import NoiseFileError
-from sim.networks.estimators import make_estimators, middle
+from sim.networks.estimators import make_estimators
 from sim.networks.ground_truth import FrameTruth, LatestTruth
 from sim.networks.mask_noise import MaskLatents
 from sim.networks.noise_model import PartNoise
@@ -16,7 +16,7 @@ from tests.fakes import brick
 from tests.round_noise import ROUND
 
 PART = brick()
-VIEW = Pose.from_rotvec((math.pi, 0, 0), (0.02, 0.0, 0.5)) @ Pose.from_translation(-middle(PART.mesh))
+VIEW = Pose.from_rotvec((math.pi, 0, 0), (0.02, 0.0, 0.5)) @ Pose.from_translation(-PART.mesh.center)
 CAMERA = Camera(600, 600, 320, 240, 640, 480)
 STREAMS = Streams(seed=5, experiment=2, kind="box")
 SURE = ROUND.changed(

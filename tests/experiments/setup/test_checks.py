@@ -60,5 +60,5 @@ def test_no_number_of_jobs_means_one_for_each_core(monkeypatch: pytest.MonkeyPat
 
 
 def test_the_exit_code_of_failed_experiments_is_the_documented_one() -> None:
-    page = (Path(__file__).parents[2] / "docs" / "logs.md").read_text(encoding="utf-8")
+    page = (Path(__file__).parents[3] / "docs" / "logs.md").read_text(encoding="utf-8")
     assert f"0 if every experiment has a result, {FAILED} if one failed" in page

@@ -4,10 +4,10 @@ import pyarrow.parquet as pq
 import pytest
 
 from cell.interfaces import Outcome
-from experiments.first_attempts import FirstAttempts, first_attempts
+from experiments.results.first_attempts import FirstAttempts, first_attempts
 from experiments.results.table import make_cell
 from tests.experiments.command import command
-from tests.experiments.test_table_intervals import count
+from tests.experiments.results.test_table_intervals import count
 
 FAILED = Outcome.COLLISION_PART.value
 PLACED = Outcome.PLACED.value

@@ -15,7 +15,7 @@ from experiments.results.store import SCHEMAS
 from experiments.setup.experiment import ExperimentResult, ExperimentSpec
 from sim.networks.ground_truth import FrameTruth, LatestTruth
 from tests.experiments.command import command
-from tests.experiments.test_recorder import AHEAD, CAMERA, observation
+from tests.experiments.results.test_recorder import AHEAD, CAMERA, observation
 from tests.fakes import brick
 
 ATTEMPT = AttemptRecord(0, 0, 7, 1, 0.2, 0.8, AHEAD, "from above", 4, 3.0, 8.0, State.INSERT, None, Outcome.PLACED)

@@ -1,4 +1,4 @@
-"""`python -m sim.opengl`: renders one small picture off-screen, to see whether the OpenGL of `MUJOCO_GL` works."""
+"""`python -m sim.model.opengl`: renders one small picture, to see whether the OpenGL of `MUJOCO_GL` works."""
 
 import mujoco
 

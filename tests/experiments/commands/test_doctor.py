@@ -5,8 +5,8 @@ from typing import Any
 
 import pytest
 
-from experiments import doctor as doctor_module
-from experiments.doctor import findings, meets
+from experiments.commands import doctor as doctor_module
+from experiments.commands.doctor import findings, meets
 from tests.experiments.command import command
 
 
@@ -14,7 +14,7 @@ def opengl(monkeypatch: pytest.MonkeyPatch, *working: str, chosen: str = "egl") 
     """Lets only these kinds of OpenGL work."""
 
     def run(arguments: list[str], *, env: dict[str, str], **_: Any) -> subprocess.CompletedProcess[str]:
-        assert arguments[1:] == ["-m", "sim.opengl"]
+        assert arguments[1:] == ["-m", "sim.model.opengl"]
         works = env["MUJOCO_GL"] in working
         return subprocess.CompletedProcess(arguments, int(not works), "", "" if works else "Traceback\nno EGL here\n")
 

@@ -1,6 +1,6 @@
 """`graspcell doctor`: whether this machine has what the experiments need, and what to type where it does not.
 
-It needs nothing but Python: where `graspcell` itself does not start, `python -m experiments.doctor` says why.
+It needs nothing but Python: where `graspcell` itself does not start, `python -m experiments.commands.doctor` says why.
 """
 
 import os
@@ -118,7 +118,7 @@ def _opengl(name: str, libraries: str) -> Finding:
         remedy += f"; or, if {other} works: export MUJOCO_GL={other}"
     try:
         done = subprocess.run(
-            [sys.executable, "-m", "sim.opengl"],
+            [sys.executable, "-m", "sim.model.opengl"],
             env={**os.environ, "MUJOCO_GL": name},
             capture_output=True,
             text=True,

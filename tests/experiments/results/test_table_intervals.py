@@ -14,7 +14,7 @@ from experiments.setup.actors import Actors
 from experiments.setup.experiment import ExperimentResult
 from maskval.cluster_intervals import clustered_rate_interval
 
-PREDICTION = Path(__file__).parents[2] / "docs" / "results" / "predict.json"
+PREDICTION = Path(__file__).parents[3] / "docs" / "results" / "predict.json"
 
 
 def count(tp: int, fp: int, fn: int) -> Tally:
