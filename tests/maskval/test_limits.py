@@ -28,7 +28,7 @@ from maskval import (
 from maskval.methods.ensemble import ENSEMBLE_MAXIMUM_M, ENSEMBLE_MAXIMUM_RAD
 from maskval.methods.view_agreement import BASELINE_M, MAXIMUM_M
 from maskval.symmetry import right_angle_symmetries
-from tests.maskval import shapes
+from tests.maskval import bop_dataset, shapes
 from tests.maskval.shapes import VGA
 
 SHEET = shapes.square()
@@ -177,3 +177,13 @@ def test_the_warning_of_inexact_rotations_points_to_where_the_file_was_asked_for
         warnings.simplefilter("always")
         bop.read_results(path)
     assert [one.filename for one in told] == [__file__]
+
+
+def test_an_image_without_an_object_has_no_masks_of_the_size_of_the_scenes_first_one(tmp_path) -> None:
+    bop_dataset.write(tmp_path)
+    scene = tmp_path / "test" / f"{bop_dataset.SCENE:06d}"
+    alone = bop.read_scene_gt(scene / "scene_gt.json")[0][:1]
+    bop.write_scene_gt(scene / "scene_gt.json", {0: alone})
+    bop.mask_path(scene, 0, 1).unlink()
+    masks = bop.SceneMasks(bop.Dataset(tmp_path)).masks(bop.ImageObject(bop_dataset.SCENE, 0, bop_dataset.STAR))
+    assert (len(masks), masks.height, masks.width) == (0, 240, 320)
