@@ -11,18 +11,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from experiments.dataset.metrics import (
-    ERROR_THRESHOLD,
-    ERRORS_M,
-    Figures,
-    area,
-    chosen,
-    figures,
-    reaches,
-)
+from experiments.dataset.metrics import ERROR_THRESHOLD, ERRORS_M, Figures, area, figures
 from experiments.dataset.rules import Rules
 from maskval import Evaluation
-from maskval.evaluation.metrics import Mean, sweep
+from maskval.evaluation.metrics import Mean, chosen, reaches, sweep
 
 _TOGETHER = 25  # samples in memory at a time
 

@@ -1,15 +1,15 @@
 """The paper's figures of uncertainty methods on a judged set: Spearman, AUC AR and u_tg, and their curves."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from experiments.dataset.batch import Judged
-from experiments.dataset.rules import Choice, Range, Rules
-from maskval import Evaluation, ImageErrors, match_images, spearman
-from maskval.evaluation.metrics import DEMANDED_AP, MAXIMUM_ERROR_M, ROUNDING, Mean, sweep
+from experiments.dataset.rules import Range, Rules
+from maskval import Evaluation, ImageErrors, RecallCurve, match_images, recall_curve, spearman
+from maskval.evaluation.metrics import MAXIMUM_ERROR_M
 from maskval.methods.ensemble import ENSEMBLE_MAXIMUM_M
 
 ERROR_THRESHOLD = 15  # index of the paper's e_t for its robot, 15 mm
@@ -24,16 +24,6 @@ class Figures(NamedTuple):
     spearman: float | None
     auc_ar: float | None
     u_tg: float | None
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Curves:
-    """AR, ARU and AR* over the error thresholds `ERRORS_M`, and the threshold u_T at each; None where there is none."""
-
-    u: tuple[float | None, ...]
-    ar: Array
-    aru: Array
-    ar_star: Array
 
 
 def least_disagreement(judged: Judged) -> float | None:
@@ -82,33 +72,9 @@ def least_error_threshold(evaluation: Evaluation) -> float | None:
     return float(u[np.argmax(saved)])
 
 
-def curves(evaluation: Evaluation, rules: Rules) -> Curves:
-    """AR and ARU at the threshold that reaches the AP, and AR* of all poses, over the error thresholds."""
-    u: list[float | None] = []
-    rows = []
-    for e_t in ERRORS_M:
-        found = sweep(evaluation, float(e_t), rules.counting)
-        index = int(chosen(reaches(found.ap)[1:], rules.threshold)) + 1  # the first threshold keeps nothing
-        u.append(float(found.u[index]) if index > 0 else None)
-        kept = (found.ar.at(index) or 0.0, found.aru.at(index) or 0.0) if index > 0 else (0.0, 0.0)
-        rows.append((*kept, found.ar.at(-1) or 0.0))
-    return Curves(tuple(u), *np.array(rows).T)
-
-
-def reaches(ap: Mean) -> NDArray[np.bool_]:
-    """Whether an AP is the demanded one at least."""
-    return (ap.terms > 0) & (ap.total >= (DEMANDED_AP - ROUNDING) * ap.terms)
-
-
-def chosen(reached: NDArray[np.bool_], rule: Choice) -> NDArray[np.int64]:
-    """Index of the threshold to take, (...), of thresholds along the last axis; −1 where there is none."""
-    count = reached.shape[-1]
-    if count == 0:
-        return np.full(reached.shape[:-1], -1)
-    if rule == "largest":
-        last = count - 1 - np.argmax(reached[..., ::-1], axis=-1)
-        return np.where(reached.any(axis=-1), last, -1)
-    return np.asarray(np.where(reached.all(axis=-1), count, np.argmin(reached, axis=-1)) - 1)
+def curves(evaluation: Evaluation, rules: Rules) -> RecallCurve:
+    """AR and ARU at the threshold that reaches the AP, and AR* of all poses, over the error thresholds `ERRORS_M`."""
+    return recall_curve(evaluation, ERRORS_M, counting=rules.counting, choice=rules.threshold)
 
 
 def area(ar: Array, reached: NDArray[np.bool_], over: Range) -> Array:

@@ -4,12 +4,12 @@ from dataclasses import dataclass
 from typing import Literal
 
 from maskval import Counting
+from maskval.evaluation.metrics import Choice
 
 Averaging = Literal["images", "pooled"]
 EmptyImages = Literal["skip", "one"]
 FalseNegatives = Literal["no true positive", "no pose"]
 Visibility = Literal["total", "in view"]
-Choice = Literal["largest", "first violation"]
 Range = Literal["whole", "reached"]
 Minimum = Literal["least", "zero"]
 

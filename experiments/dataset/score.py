@@ -13,7 +13,6 @@ from experiments.dataset.coco import MaskFigures, Matches, mask_figures
 from experiments.dataset.metrics import (
     ERROR_THRESHOLD,
     ERRORS_M,
-    Curves,
     Figures,
     curves,
     evaluations,
@@ -22,7 +21,7 @@ from experiments.dataset.metrics import (
     least_error_threshold,
 )
 from experiments.dataset.rules import ALTERNATIVES, Rules
-from maskval import Measured, rates
+from maskval import Measured, RecallCurve, rates
 from maskval.intervals import percentile_interval
 
 LEVEL = 0.95
@@ -58,7 +57,7 @@ class Scored:
     poses: int
     mask: dict[str, Measured]
     methods: dict[str, dict[str, Measured]]
-    curves: dict[str, Curves]
+    curves: dict[str, RecallCurve]
     unfiltered: tuple[float | None, float | None]
     median_mdd_m: Measured
     mdd_m: Array

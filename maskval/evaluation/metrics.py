@@ -8,7 +8,7 @@ each of every image, then the mean over the images in which it is defined (0/0 i
 """
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -21,6 +21,8 @@ ROUNDING = 1e-12
 # The paper demands an AP of 99 % and draws its curves up to 3 cm.
 DEMANDED_AP = 0.99
 MAXIMUM_ERROR_M = 0.03
+
+Choice = Literal["largest", "first violation"]  # the largest u_T that reaches the AP, or the last before the first miss
 
 
 class Mean(NamedTuple):
@@ -57,11 +59,10 @@ class Sweep:
         """The threshold of the sweep that keeps what u_T keeps."""
         return int(np.searchsorted(self.u, u_T, side="right")) - 1
 
-    def largest(self, demanded_ap: float) -> int | None:
-        """The largest threshold that reaches an AP, or None."""
-        reached = (self.ap.terms > 0) & (self.ap.total >= (demanded_ap - ROUNDING) * self.ap.terms)
-        reached &= np.isfinite(self.u)
-        return int(np.flatnonzero(reached)[-1]) if reached.any() else None
+    def reaching(self, demanded_ap: float, choice: Choice = "largest") -> int | None:
+        """Index of the threshold to take for an AP, or None where none reaches it."""
+        index = int(chosen(reaches(self.ap, demanded_ap)[1:], choice)) + 1  # the first threshold keeps nothing
+        return index or None
 
 
 class Rates(NamedTuple):
@@ -78,7 +79,7 @@ class RecallCurve:
 
     Args:
         errors_m: Error thresholds e_t, (M,), metres.
-        u: The largest u_T that reaches the AP at each e_t; None where none does, and its AR and ARU are 0.
+        u: The u_T that reaches the AP at each e_t; None where none does, and its AR and ARU are 0.
         ar: Average recall at that threshold, (M,).
         aru: Average recall of what the unfiltered poses found, (M,).
         ar_star: Average recall AR* of the unfiltered poses, the optimum of AR, (M,).
@@ -121,14 +122,16 @@ def recall_curve(
     errors_m: ArrayLike,
     demanded_ap: float = DEMANDED_AP,
     counting: Counting | None = None,
+    choice: Choice = "largest",
 ) -> RecallCurve:
-    """AR, ARU and AR* over the error threshold, each at the largest u_T that reaches the demanded AP.
+    """AR, ARU and AR* over the error threshold, each at a u_T that reaches the demanded AP.
 
     Args:
         evaluation: Poses and parts.
         errors_m: Error thresholds e_t, (M,), rising, M >= 2, metres; the paper's are 0 to 0.03.
         demanded_ap: Least AP, in (0, 1].
         counting: What the paper leaves open.
+        choice: Which u_T is taken of those that reach it.
     """
     thresholds = np.array(errors_m, dtype=np.float64)
     if thresholds.ndim != 1 or len(thresholds) < 2 or not (np.diff(thresholds) > 0).all():
@@ -139,12 +142,28 @@ def recall_curve(
     rows = []
     for e_t in thresholds:
         found = sweep(evaluation, float(e_t), counting)
-        index = found.largest(demanded_ap)
+        index = found.reaching(demanded_ap, choice)
         u.append(None if index is None else float(found.u[index]))
         kept = (0.0, 0.0) if index is None else (found.ar.at(index) or 0.0, found.aru.at(index) or 0.0)
         rows.append((*kept, found.ar.at(-1) or 0.0))
     ar, aru, ar_star = np.array(rows).T
     return RecallCurve(thresholds, tuple(u), ar, aru, ar_star)
+
+
+def reaches(ap: Mean, demanded_ap: float = DEMANDED_AP) -> NDArray[np.bool_]:
+    """Whether an AP is the demanded one at least."""
+    return (ap.terms > 0) & (ap.total >= (demanded_ap - ROUNDING) * ap.terms)
+
+
+def chosen(reached: NDArray[np.bool_], choice: Choice) -> NDArray[np.int64]:
+    """Index of the threshold to take, (...), of rising thresholds along the last axis; −1 where there is none."""
+    count = reached.shape[-1]
+    if count == 0:
+        return np.full(reached.shape[:-1], -1)
+    if choice == "largest":
+        last = count - 1 - np.argmax(reached[..., ::-1], axis=-1)
+        return np.where(reached.any(axis=-1), last, -1)
+    return np.asarray(np.where(reached.all(axis=-1), count, np.argmin(reached, axis=-1)) - 1)
 
 
 def sweep(evaluation: Evaluation, e_t: float, counting: Counting | None = None) -> Sweep:

@@ -46,7 +46,7 @@ def paper_threshold(
     if not 0 < demanded_ap <= 1:
         raise InvalidEvaluationError(f"demanded_ap must be in (0, 1], but is {demanded_ap}")
     found = sweep(evaluation, e_t, counting)
-    index = found.largest(demanded_ap)
+    index = found.reaching(demanded_ap)
     return None if index is None else float(found.u[index])
 
 

@@ -101,10 +101,10 @@ def test_the_largest_threshold_reaches_the_ap_even_if_a_smaller_one_does_not() -
         4, np.arange(4), np.arange(4), np.array([9, 0, 0, 0]), np.arange(4) / 4, np.arange(4), np.ones(4)
     )
     found = sweep(evaluation, 0.01)
-    assert found.largest(0.75) == 4
+    assert found.reaching(0.75) == 4
     assert found.u[4] == 3 / 4
-    assert found.largest(0.5) == 4
-    assert found.largest(0.76) is None
+    assert found.reaching(0.5) == 4
+    assert found.reaching(0.76) is None
 
 
 def test_the_recall_curve_is_the_recall_at_the_largest_threshold_that_reaches_the_ap() -> None:
