@@ -13,11 +13,11 @@ from cell.layout import default_camera
 from experiments.setup.methods import METHODS, Context, make_uncertainty
 from experiments.setup.thresholds import Thresholds
 from maskval import Estimates, Pose, UncertaintyMethod
-from sim.images.test_image_estimates import estimate_image
-from sim.images.test_images import Recipe, draw_nearest, make_image
+from sim.images.generated import Recipe, draw_nearest, make_image
 from sim.instance_ids import PIXEL_CENTER
 from sim.model.parts import load_part, part_names
 from sim.networks.ground_truth import FrameTruth, LatestTruth
+from sim.networks.image_estimates import estimate_image
 from sim.networks.noise_model import load_noise
 from sim.networks.random_streams import Streams
 
@@ -31,8 +31,8 @@ def images(part: str) -> list[tuple[Estimates, FrameTruth]]:
     made = []
     for number in range(IMAGES):
         streams = Streams(0, number, model.part.name)
-        truth = make_image(mesh, camera, Recipe(), streams)
-        found = estimate_image(truth, mesh, camera, noise, streams)
+        image = make_image(mesh, camera, Recipe(), streams)
+        found = estimate_image(image.truth, noise, streams)
         masks = np.array([one.mask for one in found.detections], dtype=bool).reshape(-1, camera.height, camera.width)
         estimates = Estimates(
             camera=camera,
@@ -41,10 +41,10 @@ def images(part: str) -> list[tuple[Estimates, FrameTruth]]:
             poses=found.poses,
             scores=np.array([one.score for one in found.detections]),
             pixel_center=PIXEL_CENTER,
-            depth=draw_nearest(truth.bodies, camera)[1],
+            depth=draw_nearest(image.bodies, camera)[1],
             X_BC=Pose.from_translation((0.2 * number, 0.0, 0.0)),
         )
-        made.append((estimates, FrameTruth(number, truth.instance_ids, truth.X_CO_true, camera)))
+        made.append((estimates, image.truth))
     return [one for one in made if len(one[0])]
 
 

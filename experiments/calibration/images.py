@@ -16,10 +16,11 @@ from experiments.dataset.coco import Annotations, MaskFigures, mask_figures
 from experiments.dataset.metrics import Figures, figures, from_least
 from experiments.dataset.rules import ANNOTATED_VISIBILITY, Rules
 from maskval import ImageErrors, PackedMasks, add, match_images, mdd, uncertainty
-from sim.images.test_image_estimates import ImageLatents, detect, draw_latents, estimate
-from sim.images.test_images import ImageTruth, Recipe, make_image
+from sim.images.generated import Recipe, make_image
 from sim.instance_ids import NO_INSTANCE, PIXEL_CENTER
 from sim.model.parts import load_part
+from sim.networks.ground_truth import FrameTruth
+from sim.networks.image_estimates import ImageLatents, detect, draw_latents, estimate
 from sim.networks.noise_model import MaskNoise, PartNoise, PoseNoise
 from sim.networks.random_streams import Streams
 
@@ -48,7 +49,7 @@ class ErrorModelTrial:
 class Image:
     """An image with its random numbers."""
 
-    truth: ImageTruth
+    truth: FrameTruth
     latents: ImageLatents
 
 
@@ -79,7 +80,7 @@ def _images(images: ImageSet) -> list[Image]:
     kept = []
     for number in range(images.images):
         streams = Streams(images.seed, number, model.part.name)
-        truth = make_image(model.part.mesh, camera, Recipe(), streams)
+        truth = make_image(model.part.mesh, camera, Recipe(), streams).truth
         kept.append(Image(truth, draw_latents(truth, streams)))
     return kept
 
@@ -94,7 +95,7 @@ def _detections(images: ImageSet, noise: MaskNoise) -> tuple[list[Found], MaskFi
     return found, mask_figures(annotations.matches())
 
 
-def _packed(truth: ImageTruth, masks: list[Mask]) -> Found:
+def _packed(truth: FrameTruth, masks: list[Mask]) -> Found:
     parts = tuple(truth.shown_by(mask) for mask in masks)
     stack = np.array(masks, dtype=np.bool_).reshape(-1, *truth.instance_ids.shape)
     false = {index: masks[index] for index, part in enumerate(parts) if part == NO_INSTANCE}
@@ -105,9 +106,7 @@ def _method_figures(images: ImageSet, found: list[Found], noise: PoseNoise) -> d
     mesh, camera = load_part(images.part).part.mesh, default_camera()
     errors, u, disagreement_m = [], [], []
     for image, one in zip(_images(images), found, strict=True):
-        first, second = estimate(
-            image.truth, image.latents, one.false, one.parts, mesh=mesh, camera=camera, noise=noise
-        )
+        first, second = estimate(image.truth, image.latents, one.false, one.parts, noise)
         table = np.full((len(one.parts), len(image.truth.X_CO_true)), np.inf)
         for index, part in enumerate(one.parts):
             if part != NO_INSTANCE:

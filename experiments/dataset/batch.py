@@ -14,12 +14,13 @@ from experiments.dataset.coco import Annotations, Matches
 from experiments.errors import UsageError
 from experiments.setup.methods import Context, make_uncertainty
 from experiments.setup.thresholds import Thresholds
-from maskval import Camera, Estimates, Mesh, UncertaintyMethod, add, mdd, needs_of
-from sim.images.test_image_estimates import NETWORKS, ImageEstimates, estimate_image
-from sim.images.test_images import ImageTruth, Recipe, draw_nearest, make_image
+from maskval import Estimates, UncertaintyMethod, add, mdd, needs_of
+from sim.images.generated import GeneratedImage, Recipe, draw_nearest, make_image
 from sim.instance_ids import NO_INSTANCE, PIXEL_CENTER
 from sim.model.parts import load_part
+from sim.networks.estimators import NETWORKS
 from sim.networks.ground_truth import FrameTruth, LatestTruth
+from sim.networks.image_estimates import ImageEstimates, estimate_image
 from sim.networks.noise_model import load_noise
 from sim.networks.random_streams import Streams
 
@@ -95,15 +96,15 @@ def run_batch(task: BatchTask) -> tuple[Judged, Matches]:
     annotations, images = Annotations(), []
     for number in task.images:
         streams = Streams(task.seed, number, model.part.name)
-        truth = make_image(mesh, camera, Recipe(), streams)
-        estimates = estimate_image(truth, mesh, camera, noise, streams)
-        annotate(annotations, truth, estimates.detections, task.annotated_visibility)
-        latest_truth.keep(FrameTruth(number, truth.instance_ids, truth.X_CO_true, camera))
-        images.append(_judge(truth, estimates, mesh, camera, methods))
+        image = make_image(mesh, camera, Recipe(), streams)
+        estimates = estimate_image(image.truth, noise, streams)
+        annotate(annotations, image.truth, estimates.detections, task.annotated_visibility)
+        latest_truth.keep(image.truth)
+        images.append(_judge(image, estimates, methods))
     return Judged.join(images), annotations.matches()
 
 
-def annotate(annotations: Annotations, truth: ImageTruth, detections: Sequence[Detection], least: float) -> None:
+def annotate(annotations: Annotations, truth: FrameTruth, detections: Sequence[Detection], least: float) -> None:
     """Adds an image to the detector's reckoning; it is asked for the parts whose visible share is at least `least`."""
     seen = [(truth.mask(part), share >= least) for part, share in enumerate(truth.visibility) if share > 0.0]
     annotations.add(seen, [(detection.mask, detection.score) for detection in detections])
@@ -131,10 +132,9 @@ def make_uncertainties(
     return made
 
 
-def _judge(
-    truth: ImageTruth, found: ImageEstimates, mesh: Mesh, camera: Camera, methods: dict[str, UncertaintyMethod]
-) -> Judged:
-    first, second = found.poses
+def _judge(image: GeneratedImage, found: ImageEstimates, methods: dict[str, UncertaintyMethod]) -> Judged:
+    truth, (first, second) = image.truth, found.poses
+    mesh, camera = truth.mesh, truth.camera
     depth = any(needs_of(method).depth for method in methods.values())
     shown = [truth.X_CO_true[part] if part != NO_INSTANCE else None for part in found.parts]
     errors = (
@@ -148,7 +148,7 @@ def _judge(
         poses=found.poses,
         scores=np.array([one.score for one in found.detections]),
         pixel_center=PIXEL_CENTER,
-        depth=draw_nearest(truth.bodies, camera)[1] if depth else None,
+        depth=draw_nearest(image.bodies, camera)[1] if depth else None,
     )
     return Judged(
         poses=np.array([len(first)]),

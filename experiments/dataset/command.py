@@ -16,7 +16,7 @@ from experiments.results.files import write_text
 from experiments.results.provenance import manifest, write_json
 from experiments.setup.checks import writable_folder
 from experiments.setup.pool import run_all
-from sim.images.test_images import Recipe
+from sim.images.generated import Recipe
 from sim.model.parts import load_part
 
 

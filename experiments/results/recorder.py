@@ -128,7 +128,7 @@ class Recorder:
         }
         if part is not None:
             errors = [mdd(pose, truth.X_CO_true[part], self.part.mesh.vertices) for pose in poses]
-            row["true_visibility"] = truth.visibility(part, self.part.mesh)
+            row["true_visibility"] = float(truth.visibility[part])
             row["true_mdd_m"] = errors[0]
             row["true_mdd_2_m"] = errors[1] if len(errors) > 1 else None
         return row

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from maskval import Mesh, Pose
 from sim.errors import DivergenceError
-from sim.images.test_images import clutter_shapes
+from sim.images.generated import clutter_shapes
 from sim.model.bodies import FURNITURE_FRICTION, PART_SOLREF, add_part, add_part_assets, set_physics
 from sim.model.parts import PartModel
 

@@ -8,13 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from maskval import Camera, Pose
+from sim.images.generated import Recipe, scatter, truth_of
 from sim.images.heap import Heap, drop
 from sim.images.photo_renderer import Photograph, photograph
 from sim.images.randomization import SurfaceSampler, lamps, room
-from sim.images.test_images import ImageTruth, Recipe, image_truth, scatter
 from sim.images.textures import Picture, background
 from sim.instance_ids import NO_INSTANCE
 from sim.model.parts import PartModel
+from sim.networks.ground_truth import FrameTruth
 from sim.networks.random_streams import Streams
 
 HEAP = Recipe(parts=(2, 7), clutter=(4, 12))  # denser than what is scattered in the air, for occlusion
@@ -40,7 +41,7 @@ class LabelledPicture:
 
     rgb: Picture
     depth: NDArray[np.float32]
-    truth: ImageTruth
+    truth: FrameTruth
     X_CW: Pose | None
 
 
@@ -68,12 +69,12 @@ def heap_picture(model: PartModel, camera: Camera, streams: Streams, textured: f
         *((mesh, X_CW @ X, NO_INSTANCE) for mesh, X in heap.clutter),
     )
     photo = photograph(sampler.with_surfaces(bodies), room(X_CW, half_size, rng), *lamps(X_CW, rng), camera)
-    truth = image_truth(photo.instance_ids, bodies, camera)
+    truth = truth_of(bodies, photo.instance_ids, model.part.mesh, camera, streams.experiment)
     return LabelledPicture(expose(photo.rgb, rng), photo.depth, truth, X_CW)
 
 
 def pasted_picture(model: PartModel, camera: Camera, streams: Streams, textured: float) -> LabelledPicture:
-    """S2: parts and clutter in the air, scattered as in `sim.images.test_images`, pasted over a background picture.
+    """S2: parts and clutter in the air, scattered as in `sim.images.generated`, pasted over a background picture.
 
     Args:
         model: the kind of part.
@@ -89,7 +90,7 @@ def pasted_picture(model: PartModel, camera: Camera, streams: Streams, textured:
     dressed = SurfaceSampler(model, textured, rng).with_surfaces(bodies)
     photo = photograph(dressed, [], *lamps(_TOWARDS_CAMERA, rng), camera)
     pasted = paste(photo, background(camera.height, camera.width, rng), rng.uniform(0.2, 0.8))
-    truth = image_truth(photo.instance_ids, bodies, camera)
+    truth = truth_of(bodies, photo.instance_ids, model.part.mesh, camera, streams.experiment)
     return LabelledPicture(expose(pasted, rng), photo.depth, truth, None)
 
 

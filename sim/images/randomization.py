@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from maskval import Pose
+from sim.images.generated import Body
 from sim.images.photo_renderer import Light, Surface, SurfacedBody, Wall
-from sim.images.test_images import Body
 from sim.images.textures import random_color, texture
 from sim.instance_ids import NO_INSTANCE
 from sim.model.parts import PartModel

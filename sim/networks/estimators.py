@@ -14,9 +14,10 @@ from numpy.typing import NDArray
 from cell.interfaces import Detection, Frame, Image, MaskEstimator, PoseEstimator
 from cell.part import Part
 from maskval import Mesh, Pose, mdd
+from sim.instance_ids import NO_INSTANCE
 from sim.networks.ground_truth import FrameTruth, LatestTruth
 from sim.networks.mask_noise import FALSE_ALARM_COUNT, MaskLatents, false_alarm, noisy_detection
-from sim.networks.noise_model import PartNoise
+from sim.networks.noise_model import MaskNoise, PartNoise
 from sim.networks.picture_noise import PictureLatents
 from sim.networks.pose_noise import PoseLatents, displace, noisy_pose, pose_of_nothing
 from sim.networks.random_streams import Streams
@@ -49,6 +50,20 @@ def make_estimators(
         first, second = (NoisyPoses(latest_truth, part, noise, streams, network) for network in range(NETWORKS))
         return NoisyMasks(latest_truth, part, noise, streams), (first, second)
     raise ValueError(f"unknown estimator {kind!r}: expected oracle or noisy")
+
+
+def detect_part(truth: FrameTruth, part: int, latents: MaskLatents, noise: MaskNoise) -> Detection | None:
+    """What the detector gives for one part; None when it misses it.
+
+    Args:
+        truth: The frame.
+        part: The part's number.
+        latents: The random numbers of this view of it.
+        noise: The detector's error model.
+    """
+    visible = truth.mask(part)
+    neighbors = (truth.instance_ids != NO_INSTANCE) & ~visible
+    return noisy_detection(visible, neighbors, float(truth.visibility[part]), latents, noise)
 
 
 class OracleMasks:
@@ -88,8 +103,7 @@ class NoisyMasks:
     """Implements `cell.interfaces.MaskEstimator` with the errors of `sim.networks.mask_noise`."""
 
     def __init__(self, latest_truth: LatestTruth, part: Part, noise: PartNoise, streams: Streams) -> None:
-        self._latest_truth, self._mesh, self._noise = latest_truth, part.mesh, noise.mask
-        self._center_O = part.mesh.center
+        self._latest_truth, self._center_O, self._noise = latest_truth, part.mesh.center, noise.mask
         self._latents = PictureLatents(streams, noise.view)
         self.inference_time = noise.timing.detector_s
         self.images = _NO_IMAGES
@@ -107,10 +121,7 @@ class NoisyMasks:
         X_CO = truth.X_CO_true[part]
         difficulty = _difficulty(self._latents, part, X_CO, self._center_O, frame)
         vector = self._latents.of_part("mask", MaskLatents.COUNT, part, X_CO, self._center_O, frame=frame.index)
-        visible = truth.mask(part)
-        neighbors = (truth.instance_ids >= 0) & ~visible
-        visibility = truth.visibility(part, self._mesh)
-        return noisy_detection(visible, neighbors, visibility, MaskLatents.from_vector(difficulty, vector), self._noise)
+        return detect_part(truth, part, MaskLatents.from_vector(difficulty, vector), self._noise)
 
 
 class NoisyPoses:
@@ -138,7 +149,7 @@ class NoisyPoses:
         X_CO = truth.X_CO_true[part]
         difficulty = _difficulty(self._latents, part, X_CO, self._center_O, frame)
         vector = self._latents.of_part("pose", PoseLatents.COUNT, part, X_CO, self._center_O, frame=frame.index)
-        visibility = truth.visibility(part, self._mesh)
+        visibility = float(truth.visibility[part])
         latents_of_view = PoseLatents.from_vector(difficulty, vector)
         X_CO_seen = truth.X_CO_seen(part, self._center_O, frame.camera)
         return noisy_pose(X_CO_seen, self._center_O, visibility, latents_of_view, self._noise, network=self._network)

@@ -1,6 +1,7 @@
 """What a picture really shows. Estimators of this package are made from it; observations never hold it."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,21 +11,48 @@ from maskval import Camera, Mesh, Pose, silhouette
 from sim.instance_ids import NO_INSTANCE, PIXEL_CENTER, shown_part
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class FrameTruth:
-    """The truth about one frame.
+    """The truth about one frame, or about one generated image, of P parts.
 
     Attributes:
-        frame: index of the frame.
+        frame: index of the frame, or number of the image.
         instance_ids: (H, W) int8, the part that each pixel shows, `NO_INSTANCE` where it shows none.
         X_CO_true: true pose of every part in the true camera.
         camera: the true camera.
+        mesh: the shape of every part.
     """
 
     frame: int
     instance_ids: NDArray[np.int8]
     X_CO_true: tuple[Pose, ...]
     camera: Camera
+    mesh: Mesh
+
+    def __post_init__(self) -> None:
+        self.instance_ids.setflags(write=False)
+
+    @property
+    def visibility(self) -> NDArray[np.float64]:
+        """Visible share of each part's whole silhouette, (P,) in [0, 1]: occlusion and the image's border together."""
+        return self._shares[0]
+
+    @property
+    def in_view(self) -> NDArray[np.float64]:
+        """Share of each part's silhouette inside the image, whoever hides it, (P,) in [0, 1]."""
+        return self._shares[1]
+
+    @cached_property
+    def _shares(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        whole = [silhouette(self.mesh, X_CO, self.camera, pixel_center=PIXEL_CENTER) for X_CO in self.X_CO_true]
+        seen_px = np.bincount(self.instance_ids.ravel() + 1, minlength=len(whole) + 1)[1:]
+        shares = (
+            np.minimum(1.0, seen_px / np.maximum(1, [one.area_px for one in whole])),
+            np.array([one.visibility for one in whole]),
+        )
+        for array in shares:
+            array.setflags(write=False)
+        return shares
 
     def visible_parts(self) -> list[int]:
         """Parts with at least one pixel, in the order of their numbers."""
@@ -35,11 +63,6 @@ class FrameTruth:
         """The pixels that show the part, (H, W)."""
         shown: NDArray[np.bool_] = self.instance_ids == part
         return shown
-
-    def visibility(self, part: int, mesh: Mesh) -> float:
-        """Visible share of the part's whole silhouette, in [0, 1]: occlusion and the image's border together."""
-        whole = silhouette(mesh, self.X_CO_true[part], self.camera, pixel_center=PIXEL_CENTER).area_px
-        return min(1.0, float(self.mask(part).sum()) / whole) if whole else 0.0
 
     def X_CO_seen(self, part: int, center_O: NDArray[np.float64], believed: Camera) -> Pose:
         """The pose in which the part looks to a believed camera as it truly looks to the true one.
@@ -66,8 +89,12 @@ class FrameTruth:
 
     def part_of(self, detection: Detection) -> int | None:
         """The part that most of the detection's pixels show; None if they show none."""
-        part = shown_part(self.instance_ids, detection.mask)
+        part = self.shown_by(detection.mask)
         return None if part == NO_INSTANCE else part
+
+    def shown_by(self, mask: NDArray[np.bool_]) -> int:
+        """The part that most of a mask's pixels show, or `NO_INSTANCE`."""
+        return shown_part(self.instance_ids, mask)
 
 
 class LatestTruth:

@@ -8,19 +8,19 @@ import numpy as np
 
 @dataclass(frozen=True, slots=True)
 class Streams:
-    """The root of all random numbers of one experiment with one kind of part.
+    """The root of all random numbers of one experiment with one part.
 
     Attributes:
         seed: the root seed, ≥ 0.
         experiment: number of the experiment, ≥ 0; another one draws anew.
-        kind: name of the kind of part.
+        part_name: name of the part.
     """
 
     seed: int
     experiment: int
-    kind: str
+    part_name: str
 
     def generator(self, part: int, purpose: str, *numbers: int) -> np.random.Generator:
         """A fresh generator, the same for the same arguments."""
-        key = (crc32(self.kind.encode()), self.experiment, part, crc32(purpose.encode()), *numbers)
+        key = (crc32(self.part_name.encode()), self.experiment, part, crc32(purpose.encode()), *numbers)
         return np.random.default_rng(np.random.SeedSequence(self.seed, spawn_key=key))

@@ -79,6 +79,7 @@ class SimStation:
                 instance_ids=self._camera.instance_ids(data, "wrist"),
                 X_CO_true=tuple(self._world.X_CO(part) for part in range(self._world.parts)),
                 camera=self._world.camera_true,
+                mesh=self._world.part_model.part.mesh,
             )
         )
         self._frames += 1

@@ -25,7 +25,7 @@ def told(record: object) -> list[str]:
     numbers = np.full((30, 40), -1, dtype=np.int8)
     numbers[10:20, 10:22] = 1
     latest_truth = LatestTruth()
-    latest_truth.keep(FrameTruth(7, numbers, (AHEAD, AHEAD), CAMERA))
+    latest_truth.keep(FrameTruth(7, numbers, (AHEAD, AHEAD), CAMERA, brick().mesh))
     return lines(record, latest_truth, brick().mesh.vertices)
 
 

@@ -16,8 +16,8 @@ from experiments.rendering.config import RenderDataset
 from maskval import Mesh, Pose, bop, depth_image, mask_iou
 from maskval.bop import GroundTruth, GroundTruthInfo, ImageCamera
 from sim.errors import DivergenceError
+from sim.images.generated import Recipe, make_image
 from sim.images.pictures import LabelledPicture
-from sim.images.test_images import Recipe, make_image
 from sim.model.parts import load_part
 from sim.networks.random_streams import Streams
 from tests.experiments.command import command
@@ -237,7 +237,7 @@ def test_the_pictures_do_not_depend_on_the_number_of_workers(
 
 def quick(model: object, camera: object, streams: Streams, textured: float) -> LabelledPicture:
     """Stands in for a style where only files matter."""
-    truth = make_image(load_part("antenna").part.mesh, CAMERA, Recipe(parts=(1, 1), clutter=(0, 0)), streams)
+    truth = make_image(load_part("antenna").part.mesh, CAMERA, Recipe(parts=(1, 1), clutter=(0, 0)), streams).truth
     black = np.zeros((480, 640, 3), dtype=np.uint8)
     return LabelledPicture(black, np.zeros((480, 640), dtype=np.float32), truth, None)
 

@@ -48,7 +48,7 @@ def recorded(*records: object) -> dict[str, list[Row]]:
     numbers = np.full((30, 40), -1, dtype=np.int8)
     numbers[10:20, 10:22] = 1
     latest_truth = LatestTruth()
-    latest_truth.keep(FrameTruth(7, numbers, (Pose.identity(), AHEAD), CAMERA))
+    latest_truth.keep(FrameTruth(7, numbers, (Pose.identity(), AHEAD), CAMERA, brick().mesh))
     recorder = Recorder(KEY, brick(), latest_truth)
     for record in records:
         recorder(record)

@@ -71,7 +71,7 @@ def test_every_method_judges_estimates_and_says_what_it_needs() -> None:
     needs = {}
     for name in METHODS:
         of = context("antenna")
-        of.latest_truth.keep(FrameTruth(0, np.where(mask, 0, -1).astype(np.int8), (pose,), layout.camera))
+        of.latest_truth.keep(FrameTruth(0, np.where(mask, 0, -1).astype(np.int8), (pose,), layout.camera, brick().mesh))
         method = make_uncertainty(name, of)
         u = method(estimates)
         assert u.shape == (1,)

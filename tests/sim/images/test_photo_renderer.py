@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 
 from maskval import Camera, Pose, depth_image, silhouette
+from sim.images.generated import clutter_shapes
 from sim.images.photo_renderer import Light, Photograph, Surface, SurfacedBody, Wall, photograph
-from sim.images.test_images import clutter_shapes
 from sim.instance_ids import NO_INSTANCE, PIXEL_CENTER
 from sim.model.parts import PartModel
 

@@ -7,10 +7,10 @@ from cell.layout import default_camera
 from experiments.rendering.config import Style
 from maskval import Pose
 from sim.images import pictures
+from sim.images.generated import Recipe, make_image
 from sim.images.heap import drop
 from sim.images.photo_renderer import Photograph, SurfacedBody
 from sim.images.pictures import HEAP, STYLES, LabelledPicture, expose, paste
-from sim.images.test_images import Recipe, make_image
 from sim.images.textures import background, texture
 from sim.instance_ids import NO_INSTANCE
 from sim.model.parts import PartModel
@@ -29,7 +29,7 @@ def pasted(handle: PartModel) -> LabelledPicture:
 
 
 def test_a_pasted_picture_shows_what_make_image_scatters(pasted: LabelledPicture, handle: PartModel) -> None:
-    truth = make_image(handle.part.mesh, CAMERA, Recipe(), Streams(5, 1, "handle"))
+    truth = make_image(handle.part.mesh, CAMERA, Recipe(), Streams(5, 1, "handle")).truth
     assert len(truth.X_CO_true) == len(pasted.truth.X_CO_true) >= 2
     for X, expected in zip(pasted.truth.X_CO_true, truth.X_CO_true, strict=True):
         assert np.array_equal(X.matrix, expected.matrix)

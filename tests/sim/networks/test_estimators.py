@@ -22,7 +22,7 @@ from tests.round_noise import ROUND
 
 CAMERA = Camera(600, 600, 320, 240, 640, 480)
 NOISE = ROUND
-STREAMS = Streams(seed=5, experiment=2, kind="box")
+STREAMS = Streams(seed=5, experiment=2, part_name="box")
 SURE = replace(NOISE, mask=replace(NOISE.mask, miss_probability=0.0, false_alarms_per_image=0.0))
 
 
@@ -49,7 +49,7 @@ def shown(latest_truth: LatestTruth, poses: list[Pose], index: int = 0) -> Frame
     numbers = np.full((480, 640), -1, dtype=np.int8)
     for part, X_CO in enumerate(poses):
         numbers[silhouette(PART.mesh, X_CO, CAMERA, pixel_center=0.5).mask] = part
-    latest_truth.keep(FrameTruth(index, numbers, tuple(poses), CAMERA))
+    latest_truth.keep(FrameTruth(index, numbers, tuple(poses), CAMERA, PART.mesh))
     return Frame(index, 0.1 * index, CAMERA, Pose.from_rotvec((math.pi, 0, 0), (0.7, 0.1, 0.5)))
 
 
@@ -144,7 +144,7 @@ def test_a_hidden_part_is_estimated_worse() -> None:
     latest_truth = LatestTruth()
     frame = shown(latest_truth, [posed(0, 0), posed(0.05, 0)])
     truth = latest_truth.of(frame)
-    hidden = 1.0 - truth.visibility(0, PART.mesh)
+    hidden = 1.0 - truth.visibility[0]
     assert hidden == pytest.approx(2 / 3, abs=0.05)
     beside = NoisyPoses(latest_truth, PART, core, STREAMS, 0).estimate(frame, [Detection(truth.mask(0), 1.0)])[0]
     alone_frame = shown(latest_truth, [posed(0, 0)])

@@ -17,7 +17,7 @@ def latest_truth() -> LatestTruth:
     for part, mask in enumerate(MASKS):
         numbers[mask] = part
     made = LatestTruth()
-    made.keep(FrameTruth(0, numbers, TRUE, VGA))
+    made.keep(FrameTruth(0, numbers, TRUE, VGA, MESH))
     return made
 
 

@@ -18,7 +18,7 @@ from tests.round_noise import ROUND
 PART = brick()
 VIEW = Pose.from_rotvec((math.pi, 0, 0), (0.02, 0.0, 0.5)) @ Pose.from_translation(-PART.mesh.center)
 CAMERA = Camera(600, 600, 320, 240, 640, 480)
-STREAMS = Streams(seed=5, experiment=2, kind="box")
+STREAMS = Streams(seed=5, experiment=2, part_name="box")
 SURE = ROUND.changed(
     {"mask.miss_probability": 0.0, "mask.false_alarms_per_image": 0.0, "pose.outlier_probability": 0.0}
 )
@@ -28,7 +28,7 @@ def seen(noise: PartNoise, index: int) -> tuple[np.ndarray, Pose, Pose]:
     """The mask, and the poses by S1 and S2, of one part that every picture shows from the same view."""
     latest_truth = LatestTruth()
     numbers = np.where(silhouette(PART.mesh, VIEW, CAMERA, pixel_center=0.5).mask, 0, -1).astype(np.int8)
-    latest_truth.keep(FrameTruth(index, numbers, (VIEW,), CAMERA))
+    latest_truth.keep(FrameTruth(index, numbers, (VIEW,), CAMERA, PART.mesh))
     frame = Frame(index, 0.1 * index, CAMERA, Pose.from_rotvec((math.pi, 0, 0), (0.7, 0.1, 0.5)))
     masks, networks = make_estimators("noisy", latest_truth, PART, noise, STREAMS)
     first, second = (network.estimate(frame, [Detection(numbers == 0, 1.0)])[0] for network in networks)

@@ -14,8 +14,9 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
-from maskval import Camera, Mesh, Pose, depth_crop, silhouette
-from sim.instance_ids import NO_INSTANCE, PIXEL_CENTER, shown_part
+from maskval import Camera, Mesh, Pose, depth_crop
+from sim.instance_ids import NO_INSTANCE, PIXEL_CENTER
+from sim.networks.ground_truth import FrameTruth
 from sim.networks.random_streams import Streams
 
 Array = NDArray[np.float64]
@@ -38,38 +39,14 @@ class Recipe:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class ImageTruth:
-    """The truth about one image of P parts.
+class GeneratedImage:
+    """An image: the truth about it, and its bodies (parts, then clutter) as `draw_nearest` takes them."""
 
-    Attributes:
-        instance_ids: (H, W) int8, the part that each pixel shows, `NO_INSTANCE` where it shows none.
-        bodies: parts and clutter, as `draw_nearest` takes them.
-        X_CO_true: true pose of every part.
-        visibility: visible share of every part's whole silhouette: occlusion and the image's border, (P,) in [0, 1].
-        in_view: share of it inside the image, whoever hides it, (P,) in [0, 1].
-    """
-
-    instance_ids: NDArray[np.int8]
+    truth: FrameTruth
     bodies: tuple[Body, ...]
-    X_CO_true: tuple[Pose, ...]
-    visibility: Array
-    in_view: Array
-
-    def __post_init__(self) -> None:
-        for array in (self.instance_ids, self.visibility, self.in_view):
-            array.setflags(write=False)
-
-    def mask(self, part: int) -> NDArray[np.bool_]:
-        """The pixels that show the part, (H, W)."""
-        shown: NDArray[np.bool_] = self.instance_ids == part
-        return shown
-
-    def shown_by(self, mask: NDArray[np.bool_]) -> int:
-        """The part that most of a mask's pixels show, or `NO_INSTANCE`."""
-        return shown_part(self.instance_ids, mask)
 
 
-def make_image(mesh: Mesh, camera: Camera, recipe: Recipe, streams: Streams) -> ImageTruth:
+def make_image(mesh: Mesh, camera: Camera, recipe: Recipe, streams: Streams) -> GeneratedImage:
     """One image of parts of this shape.
 
     Args:
@@ -79,8 +56,8 @@ def make_image(mesh: Mesh, camera: Camera, recipe: Recipe, streams: Streams) -> 
         streams: The root of the image's random numbers; the experiment is the image's number.
     """
     bodies = scatter(mesh, camera, recipe, streams)
-    numbers, _ = draw_nearest(bodies, camera)
-    return image_truth(numbers, bodies, camera)
+    instance_ids, _ = draw_nearest(bodies, camera)
+    return GeneratedImage(truth_of(bodies, instance_ids, mesh, camera, streams.experiment), bodies)
 
 
 def scatter(mesh: Mesh, camera: Camera, recipe: Recipe, streams: Streams) -> tuple[Body, ...]:
@@ -96,24 +73,20 @@ def scatter(mesh: Mesh, camera: Camera, recipe: Recipe, streams: Streams) -> tup
     )
 
 
-def image_truth(instance_ids: NDArray[np.int8], bodies: tuple[Body, ...], camera: Camera) -> ImageTruth:
+def truth_of(
+    bodies: Sequence[Body], instance_ids: NDArray[np.int8], mesh: Mesh, camera: Camera, number: int
+) -> FrameTruth:
     """The truth about an image of these bodies.
 
     Args:
+        bodies: The parts in the order of their instance ids, and clutter.
         instance_ids: (H, W), the part that each pixel shows, `NO_INSTANCE` where it shows none.
-        bodies: The parts in the order of their numbers, and clutter.
+        mesh: The parts' shape.
         camera: Intrinsics and image size.
+        number: The image's.
     """
-    parts = [(mesh, X_CO) for mesh, X_CO, number in bodies if number != NO_INSTANCE]
-    whole = [silhouette(mesh, X_CO, camera, pixel_center=PIXEL_CENTER) for mesh, X_CO in parts]
-    seen_px = np.bincount(instance_ids.ravel() + 1, minlength=len(parts) + 1)[1:]
-    return ImageTruth(
-        instance_ids=instance_ids,
-        bodies=bodies,
-        X_CO_true=tuple(X_CO for _, X_CO in parts),
-        visibility=np.minimum(1.0, seen_px / np.maximum(1, [one.area_px for one in whole])),
-        in_view=np.array([one.visibility for one in whole]),
-    )
+    poses = tuple(X_CO for _, X_CO, instance in bodies if instance != NO_INSTANCE)
+    return FrameTruth(number, instance_ids, poses, camera, mesh)
 
 
 def draw_nearest(bodies: Sequence[Body], camera: Camera) -> tuple[NDArray[np.int8], NDArray[np.float32]]:

@@ -1,4 +1,4 @@
-"""What the simulated networks give for a test image: the cell's error models, with new random numbers at every view."""
+"""What the simulated networks give for images that share no view: the same error models, other random numbers."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -7,15 +7,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cell.interfaces import Detection
-from maskval import Camera, Mesh, Pose
-from sim.images.test_images import ImageTruth
+from maskval import Pose
 from sim.instance_ids import NO_INSTANCE
-from sim.networks.mask_noise import FALSE_ALARM_COUNT, MaskLatents, false_alarm, noisy_detection
+from sim.networks.estimators import NETWORKS, detect_part
+from sim.networks.ground_truth import FrameTruth
+from sim.networks.mask_noise import FALSE_ALARM_COUNT, MaskLatents, false_alarm
 from sim.networks.noise_model import MaskNoise, PartNoise, PoseNoise
 from sim.networks.pose_noise import PoseLatents, noisy_pose, pose_of_nothing
 from sim.networks.random_streams import Streams
-
-NETWORKS = 2  # S1 and S2
 
 Array = NDArray[np.float64]
 
@@ -35,13 +34,11 @@ class ImageEstimates:
     poses: tuple[tuple[Pose, ...], ...]
 
 
-def estimate_image(truth: ImageTruth, mesh: Mesh, camera: Camera, noise: PartNoise, streams: Streams) -> ImageEstimates:
+def estimate_image(truth: FrameTruth, noise: PartNoise, streams: Streams) -> ImageEstimates:
     """Detections and poses of one image; an instance's errors hang on the streams and its number alone.
 
     Args:
         truth: The image.
-        mesh: The part.
-        camera: Intrinsics and image size.
         noise: The part's error model.
         streams: The root of the image's random numbers; the experiment is the image's number.
     """
@@ -49,7 +46,7 @@ def estimate_image(truth: ImageTruth, mesh: Mesh, camera: Camera, noise: PartNoi
     detections = detect(truth, latents, noise.mask)
     parts = tuple(truth.shown_by(detection.mask) for detection in detections)
     masks = {index: detection.mask for index, detection in enumerate(detections)}
-    poses = estimate(truth, latents, masks, parts, mesh=mesh, camera=camera, noise=noise.pose)
+    poses = estimate(truth, latents, masks, parts, noise.pose)
     return ImageEstimates(detections, parts, poses)
 
 
@@ -72,7 +69,7 @@ class ImageLatents:
     nothing: Array
 
 
-def draw_latents(truth: ImageTruth, streams: Streams) -> ImageLatents:
+def draw_latents(truth: FrameTruth, streams: Streams) -> ImageLatents:
     """The image's random numbers: one difficulty per part for mask, S1 and S2, the rest of their own."""
     masks, poses = [], []
     for part in range(len(truth.X_CO_true)):
@@ -85,21 +82,18 @@ def draw_latents(truth: ImageTruth, streams: Streams) -> ImageLatents:
     return ImageLatents(tuple(masks), tuple(poses), gate, nothing.reshape(NETWORKS, 4))
 
 
-def detect(truth: ImageTruth, latents: ImageLatents, noise: MaskNoise) -> tuple[Detection, ...]:
+def detect(truth: FrameTruth, latents: ImageLatents, noise: MaskNoise) -> tuple[Detection, ...]:
     """What the detector finds in an image."""
-    found = [_detect(truth, part, one, noise) for part, one in enumerate(latents.mask)]
+    found = [detect_part(truth, part, one, noise) for part, one in enumerate(latents.mask)]
     found.append(false_alarm(truth.instance_ids.shape, latents.false_alarm, noise))
     return tuple(detection for detection in found if detection is not None)
 
 
 def estimate(
-    truth: ImageTruth,
+    truth: FrameTruth,
     latents: ImageLatents,
     masks: Mapping[int, NDArray[np.bool_]],
     parts: Sequence[int],
-    *,
-    mesh: Mesh,
-    camera: Camera,
     noise: PoseNoise,
 ) -> tuple[tuple[Pose, ...], ...]:
     """poses[e][i] is X_CO_est of detection i by network e.
@@ -109,23 +103,15 @@ def estimate(
         latents: Its random numbers.
         masks: Of the detections that show no part, by index.
         parts: The part that each detection shows, or `NO_INSTANCE`.
-        mesh: The part.
-        camera: Intrinsics and image size.
         noise: The parameters.
     """
-    center_O = mesh.center
+    center_O = truth.mesh.center
 
     def pose(network: int, index: int) -> Pose:
         part = parts[index]
         if part == NO_INSTANCE:
-            return pose_of_nothing(masks[index], camera, mesh, latents.nothing[network])
+            return pose_of_nothing(masks[index], truth.camera, truth.mesh, latents.nothing[network])
         X_CO, visibility = truth.X_CO_true[part], float(truth.visibility[part])
         return noisy_pose(X_CO, center_O, visibility, latents.pose[part], noise, network=network)
 
     return tuple(tuple(pose(network, index) for index in range(len(parts))) for network in range(NETWORKS))
-
-
-def _detect(truth: ImageTruth, part: int, latents: MaskLatents, noise: MaskNoise) -> Detection | None:
-    visible = truth.mask(part)
-    neighbors = (truth.instance_ids != NO_INSTANCE) & ~visible
-    return noisy_detection(visible, neighbors, float(truth.visibility[part]), latents, noise)

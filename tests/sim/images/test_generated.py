@@ -5,10 +5,11 @@ import pytest
 from numpy.typing import NDArray
 
 from maskval import Camera, Mesh, Pose, mdd
-from sim.images.test_image_estimates import ImageEstimates, estimate_image
-from sim.images.test_images import ImageTruth, Recipe, clutter_shapes, draw_nearest, make_image
+from sim.images.generated import Recipe, clutter_shapes, draw_nearest, make_image
 from sim.instance_ids import NO_INSTANCE
 from sim.model.parts import PartModel
+from sim.networks.ground_truth import FrameTruth
+from sim.networks.image_estimates import ImageEstimates, estimate_image
 from sim.networks.noise_model import PartNoise
 from sim.networks.random_streams import Streams
 from tests.round_noise import ROUND
@@ -26,12 +27,12 @@ EXACT = replace(
 
 
 def image(mesh: Mesh, number: int = 0, recipe: Recipe | None = None, camera: Camera = CAMERA, **key: object):
-    streams = replace(Streams(seed=3, experiment=number, kind="antenna"), **key)
-    return make_image(mesh, camera, recipe or Recipe(), streams)
+    streams = replace(Streams(seed=3, experiment=number, part_name="antenna"), **key)
+    return make_image(mesh, camera, recipe or Recipe(), streams).truth
 
 
-def estimates(mesh: Mesh, truth: ImageTruth, noise: PartNoise = NOISE, number: int = 0) -> ImageEstimates:
-    return estimate_image(truth, mesh, CAMERA, noise, Streams(3, number, "antenna"))
+def estimates(truth: FrameTruth, noise: PartNoise = NOISE, number: int = 0) -> ImageEstimates:
+    return estimate_image(truth, noise, Streams(3, number, "antenna"))
 
 
 def nearest_bodies(bodies: list[tuple[Mesh, Pose]], camera: Camera, margin: int) -> NDArray[np.int64]:
@@ -56,7 +57,7 @@ def test_an_image_is_a_function_of_seed_number_and_kind(antenna: PartModel) -> N
     one, same = image(mesh, 7), image(mesh, 7)
     assert np.array_equal(one.instance_ids, same.instance_ids)
     assert all(np.array_equal(a.matrix, b.matrix) for a, b in zip(one.X_CO_true, same.X_CO_true, strict=True))
-    for other in (image(mesh, 8), image(mesh, 7, seed=4), image(mesh, 7, kind="handle")):
+    for other in (image(mesh, 8), image(mesh, 7, seed=4), image(mesh, 7, part_name="handle")):
         assert not np.array_equal(one.instance_ids, other.instance_ids)
 
 
@@ -106,7 +107,7 @@ def test_the_nearer_body_is_seen_in_any_order_and_clutter_is_no_part() -> None:
 def test_without_errors_poses_are_true_and_masks_show_their_parts(antenna: PartModel) -> None:
     mesh = antenna.part.mesh
     truth = image(mesh, 2)
-    found = estimates(mesh, truth, EXACT)
+    found = estimates(truth, EXACT)
     assert len(found.detections) >= 2
     for network in found.poses:
         for part, X_CO in zip(found.parts, network, strict=True):
@@ -119,7 +120,7 @@ def test_without_errors_poses_are_true_and_masks_show_their_parts(antenna: PartM
 def test_errors_are_a_function_of_the_image_and_differ_between_images_and_networks(antenna: PartModel) -> None:
     mesh = antenna.part.mesh
     truth = image(mesh, 2)
-    one, same, other = (estimates(mesh, truth, number=number) for number in (2, 2, 5))
+    one, same, other = (estimates(truth, number=number) for number in (2, 2, 5))
     assert len(one.detections) == len(same.detections) >= 2
     for a, b in zip(one.detections, same.detections, strict=True):
         assert (a.score, a.mask.tobytes()) == (b.score, b.mask.tobytes())
@@ -135,7 +136,7 @@ def test_a_false_alarm_gets_a_pose_even_if_it_shows_no_part(antenna: PartModel) 
     shown = []
     for number in range(12):
         truth = image(mesh, number, Recipe(parts=(1, 1), clutter=(0, 0)))
-        found = estimates(mesh, truth, noise, number)
+        found = estimates(truth, noise, number)
         assert len(found.detections) == len(found.parts) == len(found.poses[0]) == len(found.poses[1]) == 2
         assert found.parts[0] == 0
         shown.append(found.parts[1])
