@@ -14,12 +14,14 @@ import trimesh
 from numpy.typing import NDArray
 
 from cell.part import Grasp, Part
+from cell.rounding import rounded
 from maskval import InvalidFileError, MaskvalError, Mesh, Pose
 from maskval.input_files import MOST_MESH, read_input, read_input_text
 from sim.errors import PartFileError
 from sim.model.part_shapes import Curves, bow_curves, convex_pieces, fin_curves, join
 
 RAREST_RESTING_POSE = 0.02  # poses less likely than this are facets of a rounded edge, on which no real part stays
+_INERTIA_DIGITS = 12  # decimals of kg m²: parts have 1e-4
 _LARGEST_PART = 0.5  # m; nothing larger fits the gripper and the belt
 _PART_FOLDER = files("sim") / "assets" / "parts"
 _GENERATORS: dict[str, Callable[..., Curves]] = {"fin": fin_curves, "bow": bow_curves}
@@ -113,8 +115,8 @@ def _build(text: str, meshes: tuple[tuple[str, bytes], ...], source: str) -> Par
         ),
         pieces=pieces,
         mass=mass,
-        center_of_mass=np.array(mesh.center_mass),
-        inertia=np.array(mesh.moment_inertia),
+        center_of_mass=rounded(mesh.center_mass),
+        inertia=rounded(mesh.moment_inertia, _INERTIA_DIGITS),
         friction=_positive("friction", table["friction"]),
         rgba=(float(red), float(green), float(blue), float(alpha)),
         specular=float(table["specular"]),
@@ -149,7 +151,8 @@ def _shape(table: dict[str, Any], meshes: Mapping[str, bytes]) -> tuple[trimesh.
     if generator is not None:
         if generator not in _GENERATORS:
             raise ValueError(f"mesh.generator is {generator!r}, expected one of {', '.join(_GENERATORS)}")
-        curves = _GENERATORS[generator](**{key: value for key, value in table.items() if key != "generator"})
+        # Rounded: which triangles the hulls have, and so how likely a side is, hangs on the last bit otherwise.
+        curves = rounded(_GENERATORS[generator](**{key: value for key, value in table.items() if key != "generator"}))
         return join(curves), convex_pieces(curves)
     surface = _mesh(table["file"], meshes)
     if "pieces" not in table:
@@ -195,14 +198,19 @@ def check_mesh(mesh: trimesh.Trimesh, source: str) -> None:
 
 
 def resting_poses(mesh: trimesh.Trimesh) -> tuple[RestingPose, ...]:
-    """Every way in which the part lies still on a plane, likeliest first; the probabilities add up to 1."""
+    """Every way in which the part lies still on a plane, likeliest first; the probabilities add up to 1.
+
+    All numbers are rounded. Of equally likely poses, as a mirrored part has, the first is the one whose rotation has
+    the lesser entries, row by row.
+    """
     transforms, probabilities = trimesh.poses.compute_stable_poses(mesh, n_samples=1, sigma=0.0)
     kept = probabilities >= RAREST_RESTING_POSE
-    total = float(probabilities[kept].sum())
-    return tuple(
-        RestingPose(transform[:3, :3], float(transform[2, 3]), float(probability) / total)
-        for transform, probability in zip(transforms[kept], probabilities[kept], strict=True)
-    )
+    shares = rounded(probabilities[kept] / probabilities[kept].sum())
+    poses = [
+        RestingPose(transform[:3, :3], float(transform[2, 3]), float(share))
+        for transform, share in zip(rounded(transforms[kept]), shares, strict=True)
+    ]
+    return tuple(sorted(poses, key=lambda pose: (-pose.probability, *pose.rotation.ravel())))
 
 
 def _grasp(row: dict[str, Any]) -> Grasp:
