@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cell.interfaces import Contact, Frame, Image, Touch
+from cell.rounding import rounded
 from cell.trajectory import JointTrajectory
 from cell.ur10 import forward
 from sim.model.renderer import Renderer
@@ -87,7 +88,7 @@ class SimStation:
 
     def follow(self, trajectory: JointTrajectory, watch: frozenset[Touch]) -> Contact | None:
         """See `Station`. A stop holds the joints where they are."""
-        contact = self._run(zip(trajectory.positions, trajectory.velocities, strict=True), watch)
+        contact = self._run(zip(rounded(trajectory.positions), rounded(trajectory.velocities), strict=True), watch)
         if contact is not None:
             self._world.command_arm(self.q, np.zeros(6))
         return contact

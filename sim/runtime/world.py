@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from cell.interfaces import Touch
 from cell.layout import Layout
+from cell.rounding import DIGITS, rounded
 from cell.ur10 import inverse_on_branch
 from cell.viewpoints import search_run
 from maskval import Pose
@@ -20,6 +21,8 @@ from sim.model.robot import FINGERS, JOINTS
 from sim.model.scene import SURFACE_VELOCITY_Y, build_scene, container_presses, robot_touches
 
 STEPS_PER_COMMAND = 2  # physics steps per period of the robot's controller
+# Decimals of m/s and m/s² (rad/s, rad/s²): the solver's last bits are larger than those of places.
+VELOCITY_DIGITS, ACCELERATION_DIGITS = 7, 3
 SETTLE_TIME = 1.0  # s of physics before an experiment begins
 Q_NEAR_BELT = np.radians([0.0, -100.0, 100.0, -90.0, -90.0, 0.0])  # which turn of base and wrist 3 to begin with
 
@@ -61,6 +64,7 @@ class World:
         lying = [*map(part_body, range(parts)), *things]
         self._free_joints = [compiled.joint(name).qposadr[0] for name in lying]
         self._obstacles = [robot_touches(name) for name in things]
+        self._tree_of_position = _tree_of_position(compiled)
         self._flange = compiled.body("flange").id
         self._wrist = compiled.camera("wrist").id
         self._belt = compiled.geom("belt").id
@@ -73,7 +77,7 @@ class World:
         q = inverse_on_branch(first @ self.layout.X_FC.inverse(), Q_NEAR_BELT)
         if q is None:
             raise ValueError("the layout's first search view is out of the arm's reach")
-        return q
+        return rounded(q)
 
     def reset(self, X_WO: Sequence[Pose]) -> None:
         """Puts arm and parts in place and lets them settle; the clock then stands at 0.
@@ -88,11 +92,12 @@ class World:
         self.mj_model.geom_surfacevel[self._belt, SURFACE_VELOCITY_Y] = 0.0  # the model's, not the data's
         self.data.qpos[self._arm] = self.q_home
         for address, pose in zip(self._free_joints, X_WO, strict=True):
-            self.data.qpos[address : address + 3] = pose.translation
-            self.data.qpos[address + 3 : address + 7] = pose.quaternion_wxyz
+            self.data.qpos[address : address + 3] = rounded(pose.translation)
+            self.data.qpos[address + 3 : address + 7] = rounded(pose.quaternion_wxyz)
         self.command_arm(self.q_home, np.zeros(6))
         self.command_jaws(self.layout.gripper.max_half_opening)
-        mujoco.mj_step(self.mj_model, self.data, round(SETTLE_TIME / self.mj_model.opt.timestep))
+        for _ in range(round(SETTLE_TIME / self.time_step)):
+            self._advance()
         self.check()
         self.data.time = 0.0
         if self.belt_true.speed:
@@ -110,14 +115,13 @@ class World:
 
     @property
     def q(self) -> Array:
-        """Measured joint angles, (6,) rad."""
-        q: Array = self.data.qpos[self._arm].copy()
-        return q
+        """Measured joint angles, (6,) rad, to `DIGITS` decimals."""
+        return rounded(self.data.qpos[self._arm])
 
     @property
     def jaw_half_opening(self) -> float:
-        """Measured distance of each jaw from the middle, m."""
-        return float(self.data.qpos[self._jaw])
+        """Measured distance of each jaw from the middle, m, to `DIGITS` decimals."""
+        return float(rounded(self.data.qpos[self._jaw]))
 
     def command_arm(self, q: Array, qd: Array) -> None:
         """Sets the servo's joint angles (rad) and speeds (rad/s)."""
@@ -137,9 +141,22 @@ class World:
 
     def step(self) -> None:
         """One period of the robot's controller."""
-        mujoco.mj_step(self.mj_model, self.data, STEPS_PER_COMMAND)
+        self._advance()
         if self.on_step is not None:
             self.on_step()
+
+    def _advance(self) -> None:
+        """One period of physics. Where things touch, its last bits are rounded away: contacts would make them larger.
+
+        A sleeping thing keeps its place as it is, since a change would wake it.
+        """
+        data = self.data
+        mujoco.mj_step(self.mj_model, data, STEPS_PER_COMMAND)
+        if data.ncon:
+            awake = (data.tree_asleep < 0)[self._tree_of_position]
+            np.copyto(data.qpos, data.qpos.round(DIGITS), where=awake)
+            data.qvel.round(VELOCITY_DIGITS, out=data.qvel)
+            data.qacc_warmstart.round(ACCELERATION_DIGITS, out=data.qacc_warmstart)
 
     def check(self) -> None:
         """Asks whether the physics is still finite.
@@ -194,3 +211,10 @@ class World:
         """Strongest contact force vector of every sensor, (S, 3) N; a view that the next step overwrites."""
         forces: Array = self.data.sensordata.reshape(-1, 3)
         return forces
+
+
+def _tree_of_position(model: mujoco.MjModel) -> NDArray[np.intp]:
+    """The kinematic tree that each entry of `qpos` belongs to, (nq,)."""
+    sizes = np.diff([*model.jnt_qposadr, model.nq])
+    trees: NDArray[np.intp] = np.repeat(model.dof_treeid[model.jnt_dofadr], sizes)
+    return trees
