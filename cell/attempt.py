@@ -13,6 +13,7 @@ from cell.interfaces import Contact, Touch
 from cell.motion import EVERYTHING, HOLDING, Array, Motion, Unreachable
 from cell.part import Part
 from cell.records import State
+from cell.rounding import first_least
 from maskval import Pose
 
 GRIP = -0.02  # m, commanded half opening: beyond closed, so that the jaws press with all the force that they may use
@@ -100,7 +101,7 @@ class Attempt:
     def _reachable_plan(self, X_BO_est: Pose) -> tuple[GraspPlan, float] | None:
         """The most upright grasp that the arm reaches, and when to be above it, s.
 
-        The way round that turns the joints least; on a moving belt, the one that is there first.
+        The way round that turns the joints least; on a moving belt, the one that is there first; of equals the first.
         """
         plans = plan_grasps(self._part, X_BO_est)
         for grasp in dict.fromkeys(plan.grasp.name for plan in plans):
@@ -108,7 +109,7 @@ class Attempt:
                 (cost, plan) for plan in plans if plan.grasp.name == grasp and (cost := self._cost(plan)) is not None
             ]
             if ways:
-                cost, plan = min(ways, key=lambda way: way[0])
+                cost, plan = first_least(ways, key=lambda way: way[0])
                 return plan, cost if self._motion.belt_moves else self._station.time
         return None
 
@@ -134,7 +135,7 @@ class Attempt:
         ways = [
             (turn, place) for place in places if (turn := self._turn(place.X_BT_above, place.X_BT_release)) is not None
         ]
-        return min(ways, key=lambda way: way[0])[1] if ways else None
+        return first_least(ways, key=lambda way: way[0])[1] if ways else None
 
     def _turn(self, first: Pose, *others: Pose) -> float | None:
         """How far the joints turn to the first tool pose, rad; None if one of the poses is out of reach."""

@@ -12,6 +12,7 @@ from cell.part import Grasp, Part
 from maskval import Pose
 
 MAX_TILT = np.radians(50.0)  # of the approach from the vertical; beyond it the gripper's body meets the belt
+TILT_DIGITS = 6  # decimals of rad; of grasps that are as upright as one another, the first of the part's file
 APPROACH_LENGTH = 0.12  # m, straight line to the part
 LIFT_HEIGHT = 0.16  # m, straight up: part and jaws clear the container's walls and the other parts
 RELEASE_HEIGHT = 0.020  # m between part and slot floor; less, and a pose error presses the part into the floor
@@ -54,7 +55,8 @@ def plan_grasps(part: Part, X_BO_est: Pose) -> list[GraspPlan]:
             before = _shifted(X_BT, -APPROACH_LENGTH * approach_B)
             lifted = _shifted(X_BT, np.array([0.0, 0.0, LIFT_HEIGHT]))
             plans.append((float(tilt), GraspPlan(grasp, X_BO_est, before, X_BT, lifted)))
-    plans.sort(key=lambda entry: round(entry[0], 9))  # stable: the two ways round keep their order
+    # Stable: the two ways round keep their order. The arc cosine has half of the digits near 0.
+    plans.sort(key=lambda entry: round(entry[0], TILT_DIGITS))
     return [plan for _, plan in plans]
 
 

@@ -13,6 +13,7 @@ from cell.errors import EstimatorError
 from cell.guards import TIME_LIMIT, guarded_call
 from cell.interfaces import Detection, Frame, Image, MaskEstimator, Observation, PoseEstimator, Station
 from cell.part import Part
+from cell.rounding import DIGITS, rounded
 from maskval import Estimates, InvalidEstimatesError, Pose, UncertaintyMethod, needs_of
 
 T = TypeVar("T")
@@ -103,7 +104,7 @@ class Perception:
     def uncertainties(
         self, frame: Frame, detections: Sequence[Detection], poses: tuple[tuple[Pose, ...], ...]
     ) -> NDArray[np.float64]:
-        """The method's u of each detection, (N,) in [0, 1], read-only.
+        """The method's u of each detection, (N,) in [0, 1], to `DIGITS` decimals, read-only.
 
         Raises:
             EstimatorError: the method raised, took too long, or returned something else.
@@ -122,6 +123,7 @@ class Perception:
         u = self._guarded(self.method, frame, lambda: np.array(self.method(estimates), dtype=np.float64))
         if u.shape != (len(detections),) or not np.all((u >= 0.0) & (u <= 1.0)):
             raise _error(self.method, frame, f"expected {len(detections)} uncertainties in [0, 1], got {u}")
+        u = rounded(u)
         u.setflags(write=False)
         return u
 
@@ -132,7 +134,7 @@ class Perception:
             wrong = _wrong_detection(detection, index, size)
             if wrong is not None:
                 raise _error(detector, frame, wrong)
-        return tuple(sorted(detections, key=lambda detection: -detection.score))
+        return tuple(sorted(detections, key=by_score))
 
     def _estimate(self, estimator: PoseEstimator, frame: Frame, detections: Sequence[Detection]) -> tuple[Pose, ...]:
         poses = self._guarded(estimator, frame, lambda: tuple(estimator.estimate(frame, detections)))
@@ -146,6 +148,11 @@ class Perception:
 
     def _guarded(self, who: object, frame: Frame, call: Callable[[], T]) -> T:
         return guarded_call(call, self.time_limit, lambda what: _error(who, frame, what))
+
+
+def by_score(detection: Detection) -> float:
+    """What detections are sorted by, the best score first; where scores are equal to `DIGITS` decimals, order stays."""
+    return -round(float(detection.score), DIGITS)
 
 
 def _wrong_detection(detection: object, index: int, size: tuple[int, int]) -> str | None:

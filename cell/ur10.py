@@ -52,6 +52,7 @@ MIN_WRIST_RADIUS_M = 0.05
 
 # A solution counts when forward kinematics gives the target back to this, in metres and in entries of the rotation.
 FK_TOLERANCE = 1e-9
+HALF_TURN_TOLERANCE = 1e-9  # turns
 # Between neighbours of a path (2 ms: below 0.007 rad at full speed) a larger step is a flip and not a motion.
 MAX_PATH_STEP_RAD = 0.5
 
@@ -183,8 +184,11 @@ def _checked(values: ArrayLike, what: str, shape: tuple[int | None, ...]) -> Arr
 
 
 def _turns_towards(angle: float, near: float) -> float:
-    """The multiple of 2π, rad, that takes the angle nearest to `near` without leaving the joint's range."""
-    turns = round((near - angle) / (2 * math.pi)) * 2 * math.pi
+    """The multiple of 2π, rad, that takes the angle nearest to `near` without leaving the joint's range.
+
+    Half a turn away on either side, it is the lesser angle: -π and π, which only the last bit tells apart, end alike.
+    """
+    turns = math.ceil((near - angle) / (2 * math.pi) - 0.5 - HALF_TURN_TOLERANCE) * 2 * math.pi
     if abs(angle + turns) > JOINT_LIMIT:
         turns -= math.copysign(2 * math.pi, angle + turns)
     return turns

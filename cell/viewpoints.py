@@ -9,6 +9,7 @@ from cell.grasping import look_at
 from cell.layout import Layout
 from cell.motion import Motion, Unreachable
 from cell.records import DecisionRecord
+from cell.rounding import rounded
 from maskval import Pose
 
 SEARCH_DISTANCE = 0.60  # m above the belt: the image's height covers the belt's width up to 60 mm over it
@@ -37,7 +38,7 @@ def search_run(layout: Layout) -> SearchRun:
     belt = layout.belt
     half_view = SEARCH_DISTANCE * layout.camera.width / (2 * layout.camera.fx)
     reach = max(belt.loading_length / 2 - half_view, 0.0)
-    count = 1 if belt.speed > 0.0 else int(np.ceil(2 * reach / SEARCH_STEP)) + 1
+    count = 1 if belt.speed > 0.0 else int(np.ceil(rounded(2 * reach / SEARCH_STEP))) + 1
     X_BW = layout.X_WB.inverse()
     points_W = [np.array([belt.center_x, y, belt.top_z]) for y in np.linspace(reach, -reach, count)]
     return SearchRun(tuple(look_at(X_BW.apply(point), SEARCH_DISTANCE) for point in points_W))

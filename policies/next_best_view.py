@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cell.interfaces import Action, Decision, Observation
+from cell.rounding import rounded
 from cell.setup import PolicySetup
 from maskval import Camera, Mesh, Pose, silhouette, silhouette_iou
 from policies.threshold import ThresholdPolicy
@@ -39,7 +40,7 @@ class NextBestView:
         if not views:
             return decision
         shown = [float((known + visible_errors(mesh, X_BO_est, X_BC, camera)).min()) for X_BC in views]
-        return replace(decision, X_BC=views[int(np.argmax(shown))])  # of equals the first: from above
+        return replace(decision, X_BC=views[int(np.argmax(rounded(shown)))])  # of equals the first: from above
 
 
 def visible_errors(mesh: Mesh, X_BO: Pose, X_BC: Pose, camera: Camera) -> NDArray[np.float64]:

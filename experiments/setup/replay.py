@@ -10,6 +10,7 @@ import numpy as np
 import pyarrow.parquet as pq
 
 from cell.interfaces import Detection, Frame, Image
+from cell.perception import by_score
 from cell.setup import EstimatorSetup
 from experiments.errors import UsageError
 from maskval import MaskvalError, Pose, bop, mask_from_rle, mdd
@@ -149,7 +150,7 @@ def _of_bop(folder: Path, setup: EstimatorSetup) -> Recording:
             (Detection(mask.mask, mask.score), tuple(result.X_CO for result in results))
             for mask, *results in zip(masks, *poses, strict=True)
         ]
-        frames[image] = Recorded(None, tuple(sorted(entries, key=lambda entry: -entry[0].score)))  # as the controller
+        frames[image] = Recorded(None, tuple(sorted(entries, key=lambda entry: by_score(entry[0]))))
     first = min(found)
     times = [found[first][0].time_s, *(network[first][0].time_s for network in networks)]
     if min(times) < 0.0:

@@ -37,7 +37,7 @@ class DetectorScore:
 
 @dataclass(frozen=True, slots=True)
 class RandomUncertainty:
-    """Chance, the floor: a uniform number that hangs on nothing but the seed and the pose's own bits.
+    """Chance, the floor: a uniform number that hangs on nothing but the seed and the pose, to 1e-9.
 
     The same pose has the same u whenever it is looked at, and in whatever company.
 
@@ -54,8 +54,8 @@ class RandomUncertainty:
     def __call__(self, estimates: Estimates) -> NDArray[np.float64]:
         """A number for each pose, (N,), uniform in [0, 1)."""
         key = self.seed.to_bytes(8, "little")
-        digests = (
-            hashlib.blake2b(X_CO.matrix.tobytes(), digest_size=8, key=key).digest() for X_CO in estimates.poses[0]
-        )
+        # Processors differ in a pose's last bits. Adding 0 makes 0 of -0.
+        rounded = (np.round(X_CO.matrix, 9) + 0.0 for X_CO in estimates.poses[0])
+        digests = (hashlib.blake2b(matrix.tobytes(), digest_size=8, key=key).digest() for matrix in rounded)
         # The 53 upper bits: as many as a float in [0, 1) can hold.
         return np.array([(int.from_bytes(digest, "little") >> 11) * 2.0**-53 for digest in digests])

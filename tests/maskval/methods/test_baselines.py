@@ -45,6 +45,14 @@ def test_chance_is_the_same_for_the_same_pose_in_any_company_and_another_for_ano
     assert not np.isclose(RandomUncertainty(8)(estimates(poses)), u).any()
 
 
+def test_chance_does_not_hang_on_the_last_bits_of_a_pose() -> None:
+    poses, method = [*shapes.random_poses(3, 4), Pose.identity()], RandomUncertainty(7)
+    u = method(estimates(poses)).tolist()
+    for bits in (-1e-15, 1e-15):
+        beside = [Pose.from_rotvec([bits, bits, 0.0], [bits] * 3) @ pose for pose in poses]
+        assert method(estimates(beside)).tolist() == u
+
+
 @pytest.mark.parametrize("seed", [-1, 2**64])
 def test_a_seed_out_of_range_is_refused(seed: int) -> None:
     with pytest.raises(InvalidEstimatesError, match=r"seed must be in \[0, 2\^64\), but is"):
