@@ -5,7 +5,7 @@ BIN := $(VENV)/bin
 OUT ?= out/compare
 READY := $(VENV)/.ready
 
-.PHONY: run test check study thresholds picture clean
+.PHONY: run test check study thresholds goldens picture clean
 
 run: $(READY)
 	$(BIN)/graspcell compare --gap fitted --thresholds paper --experiments 20 --out $(OUT)
@@ -23,6 +23,10 @@ check: $(READY)
 thresholds: $(READY)
 	$(BIN)/graspcell dataset --methods all --resamples 1 --out out/thresholds
 	cp out/thresholds/thresholds.toml experiments/presets/derived.toml
+
+# What every attempt of six experiments comes to, which the tests repeat as other processors would.
+goldens: $(READY)
+	$(BIN)/python -m tests.goldens
 
 # Measured trials of minutes: not part of `make test`. Those of learning need stable-baselines3 and torch.
 study: $(READY)
