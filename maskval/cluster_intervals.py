@@ -8,7 +8,7 @@ from scipy.special import stdtrit
 
 from maskval.intervals import clopper_pearson
 
-FEWEST_CLUSTERS = 5  # below, their own variance is not trusted
+FEWEST_CLUSTERS = 10  # below, the variance between them is too uncertain: with it, intervals of 5 covered 88 %
 # The correlation within a cluster where it cannot be estimated: as much as the most correlated cell of
 # docs/results/predict.json has. A beta-binomial of this correlation gives narrower bounds than the rule below.
 ASSUMED_CORRELATION = 0.5

@@ -25,10 +25,10 @@ def test_trials_count_by_the_variance_between_clusters() -> None:
 
 def test_experiments_of_one_cluster_bring_no_more_than_their_mean() -> None:
     # Equal experiments within a cluster add no knowledge of the variance between: only the t-quantile of n moves.
-    rates = np.array([0.1, 0.9, 0.4, 0.6, 0.2, 0.8])
-    once = clustered_rate_interval(rates, 6 * [8], range(6))
-    thrice = clustered_rate_interval(np.repeat(rates, 3), 18 * [8], np.repeat(range(6), 3).tolist())
-    apart = clustered_rate_interval(np.repeat(rates, 3), 18 * [8], range(18))
+    rates = np.array(2 * [0.1, 0.9, 0.4, 0.6, 0.2, 0.8])
+    once = clustered_rate_interval(rates, 12 * [8], range(12))
+    thrice = clustered_rate_interval(np.repeat(rates, 3), 36 * [8], np.repeat(range(12), 3).tolist())
+    apart = clustered_rate_interval(np.repeat(rates, 3), 36 * [8], range(36))
     assert once == pytest.approx(thrice, abs=0.01)
     assert apart[1] - apart[0] < 0.7 * (thrice[1] - thrice[0])
 
