@@ -240,15 +240,6 @@ def test_trajectory_copies_its_arrays_and_lets_nobody_write_to_them() -> None:
         trajectory.positions = positions  # type: ignore[misc]
 
 
-def test_presets_rise_in_speed_and_stay_below_the_arms_own() -> None:
-    assert list(PRESETS) == ["ur-default", "moderate", "fast"]
-    assert UR_DEFAULT.joint_speed == pytest.approx([math.radians(60.0)] * 6)
-    assert UR_DEFAULT.joint_acceleration == pytest.approx([math.radians(80.0)] * 6)
-    assert UR_DEFAULT.joint_jerk == pytest.approx([math.radians(800.0)] * 6)
-    assert PRESETS["moderate"].joint_speed == pytest.approx([0.8 * limit for limit in SPEED_LIMITS])
-    assert PRESETS["fast"].joint_speed == pytest.approx([0.95 * limit for limit in SPEED_LIMITS])
-
-
 BEYOND = HOME + np.array([JOINT_LIMIT + 0.1, 0, 0, 0, 0, 0])
 
 
@@ -266,23 +257,6 @@ BEYOND = HOME + np.array([JOINT_LIMIT + 0.1, 0, 0, 0, 0, 0])
         ),
         (lambda: JointTrajectory(DT, np.zeros((2, 6)), np.zeros((3, 6))), InvalidTrajectoryError, "got 3 and 2"),
         (lambda: JointTrajectory(DT, np.full((1, 6), math.nan), np.zeros((1, 6))), InvalidTrajectoryError, r"\[0, 0\]"),
-        (lambda: dataclasses.replace(UR_DEFAULT, line_speed=0.0), InvalidTrajectoryError, "line_speed above zero"),
-        (lambda: dataclasses.replace(UR_DEFAULT, line_jerk=math.inf), InvalidTrajectoryError, "line_jerk .* got inf"),
-        (
-            lambda: dataclasses.replace(UR_DEFAULT, joint_jerk=(1.0,) * 5),
-            InvalidTrajectoryError,
-            "six values of joint_j",
-        ),
-        (
-            lambda: dataclasses.replace(UR_DEFAULT, joint_acceleration=(1.0, 1.0, -1.0, 1.0, 1.0, 1.0)),
-            InvalidTrajectoryError,
-            r"joint_acceleration\[2\] above zero and finite, got -1.0",
-        ),
-        (
-            lambda: dataclasses.replace(UR_DEFAULT, joint_speed=(1.0, 2.2, 1.0, 1.0, 1.0, 1.0)),
-            InvalidTrajectoryError,
-            r"joint_speed\[1\] of at most 2.094 rad/s, the UR10's, got 2.200",
-        ),
         (
             lambda: joint_move(HOME, BEYOND, UR_DEFAULT, DT),
             InvalidTrajectoryError,

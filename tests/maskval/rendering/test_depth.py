@@ -7,7 +7,7 @@ from maskval.evaluation.visible_surface import vsd
 from maskval.rendering.depth import depth_crop, depth_image
 from maskval.rendering.views import NEAR_M
 from tests.maskval import shapes
-from tests.maskval.rendering.test_silhouettes import SMALL, both, both_shapes, everything, flipped
+from tests.maskval.rendering.cases import SMALL, both, both_shapes, everything, flipped
 from tests.maskval.shapes import VGA
 
 

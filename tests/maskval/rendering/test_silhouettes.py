@@ -1,3 +1,5 @@
+"""Silhouettes of scenes whose pixels can be counted by hand."""
+
 import os
 import subprocess
 import sys
@@ -5,107 +7,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from maskval import Camera, InvalidMaskError, Mesh, PackedMasks, Pose, silhouette, silhouette_iou
-from maskval.rendering import kernels
-from maskval.rendering.silhouettes import Implementation
-from maskval.rendering.views import FULL_MARGIN_PX, NEAR_M, views
+from maskval.rendering.views import FULL_MARGIN_PX, NEAR_M
 from tests.maskval import shapes
 from tests.maskval.rasteriser import rasterise
+from tests.maskval.rendering.cases import both, both_shapes
 from tests.maskval.shapes import VGA
-
-IMPLEMENTATIONS: tuple[Implementation, ...] = ("numba", "numpy")
-SMALL = Camera(150.0, 160.0, 80.5, 59.0, 160, 120, skew=2.0)
-both = pytest.mark.parametrize("implementation", IMPLEMENTATIONS)
-both_shapes = pytest.mark.parametrize("shape", [shapes.torus, shapes.star], ids=["torus", "star"])
-SHAPES = [shapes.torus, shapes.star, shapes.antenna, shapes.handle]
-every_shape = pytest.mark.parametrize("shape", SHAPES, ids=[shape.__name__ for shape in SHAPES])
-
-
-def differing_pixels(arrays: shapes.Arrays, poses: list[Pose], camera: Camera, pixel_center: float = 0.0) -> list[int]:
-    mesh = Mesh(*arrays)
-    return [
-        np.count_nonzero(
-            silhouette(mesh, X_CO, camera, pixel_center=pixel_center).mask
-            != rasterise(*arrays, X_CO, camera, pixel_center=pixel_center)
-        )
-        for X_CO in poses
-    ]
-
-
-@every_shape
-@pytest.mark.parametrize("pixel_center", [0.0, 0.5])
-def test_no_pixel_differs_from_float64_triangles_in_100_random_poses(shape, pixel_center) -> None:
-    poses = shapes.random_poses(seed=1, count=100, reach=0.3)
-    seen = [silhouette(Mesh(*shape()), X_CO, VGA, pixel_center=pixel_center).visibility for X_CO in poses]
-    assert sum(visibility == 1 for visibility in seen) > 50
-    assert sum(0 < visibility < 1 for visibility in seen) > 10
-    assert differing_pixels(shape(), poses, VGA, pixel_center) == [0] * 100
-
-
-@pytest.mark.study
-@every_shape
-def test_no_pixel_differs_from_float64_triangles_in_2000_random_poses(shape) -> None:
-    assert differing_pixels(shape(), shapes.random_poses(seed=2, count=2000), VGA) == [0] * 2000
-
-
-def opened(vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> shapes.Arrays:
-    kept = np.random.default_rng(3).random(len(faces)) > 0.3
-    return vertices, faces[kept]
-
-
-def flipped(vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> shapes.Arrays:
-    turned = np.random.default_rng(4).random(len(faces)) > 0.5
-    return vertices, np.where(turned[:, None], faces[:, ::-1], faces)
-
-
-def unwelded(vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> shapes.Arrays:
-    return vertices[faces].reshape(-1, 3), np.arange(3 * len(faces)).reshape(-1, 3)
-
-
-def doubled(vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> shapes.Arrays:
-    """Faces listed twice and thrice, and faces without an area."""
-    thin = np.stack((faces[:50, 0], faces[:50, 1], faces[:50, 1]), axis=1)
-    return vertices, np.concatenate((faces, faces[::2], faces[::3, ::-1], thin))
-
-
-def crumpled(vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> shapes.Arrays:
-    """Noise that folds the surface, so that rows have more crossings than are sorted by insertion."""
-    return vertices + np.random.default_rng(5).normal(scale=0.006, size=vertices.shape), faces
-
-
-def everything(vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> shapes.Arrays:
-    return unwelded(*flipped(*opened(*crumpled(vertices, faces))))
-
-
-def test_a_crumpled_mesh_has_rows_that_are_sorted_by_counting() -> None:
-    mesh = Mesh(*crumpled(*shapes.torus()))
-    view = views(mesh.edges, shapes.random_poses(seed=6, count=1), VGA, pixel_center=0.0, canvas="full")
-    _, rows = kernels._lines(mesh.edges, view, 0)
-    crossings = [np.count_nonzero((rows[:, 0] <= row) & (row < rows[:, 1])) for row in range(VGA.height)]
-    assert max(crossings) > 2 * kernels.BUSY_ROW
-
-
-@pytest.mark.parametrize("spoil", [opened, flipped, unwelded, doubled, crumpled, everything])
-@every_shape
-def test_no_pixel_differs_on_a_mesh_that_is(spoil, shape) -> None:
-    assert differing_pixels(spoil(*shape()), shapes.random_poses(seed=6, count=20), VGA) == [0] * 20
-
-
-@both
-@every_shape
-@pytest.mark.parametrize("spoil", [lambda *arrays: arrays, everything], ids=["closed", "spoilt"])
-def test_no_pixel_differs_when_the_mesh_crosses_the_near_plane(spoil, shape, implementation) -> None:
-    arrays = spoil(*shape())
-    poses = shapes.random_poses(seed=7, count=15, depth=(-0.03, 0.03), reach=0.05)
-    straddling = 0
-    for X_CO in poses:
-        depths = X_CO.apply(arrays[0])[:, 2]
-        straddling += depths.min() < NEAR_M < depths.max()
-        found = silhouette(Mesh(*arrays), X_CO, SMALL, implementation=implementation).mask
-        np.testing.assert_array_equal(found, rasterise(*arrays, X_CO, SMALL))
-    assert straddling >= 14
 
 
 @both
@@ -210,26 +118,6 @@ def test_iou_counts_the_common_pixels_in_an_image_of_any_width(implementation, w
     assert sum(image.any() for image in drawn) >= 4
     expected = [[np.count_nonzero(a & b) / np.count_nonzero(a | b) for b in masks] for a in drawn]
     assert iou.tolist() == expected
-
-
-@both_shapes
-@pytest.mark.parametrize("spoil", [lambda *arrays: arrays, everything], ids=["closed", "spoilt"])
-def test_numba_and_numpy_give_the_same_bits(shape, spoil) -> None:
-    mesh = Mesh(*spoil(*shape()))
-    poses = shapes.random_poses(seed=11, count=25) + shapes.random_poses(12, 15, depth=(-0.1, 0.12), reach=0.1)
-    masks = np.array([silhouette(mesh, X_CO, SMALL).mask for X_CO in poses])
-    for X_CO, mask in zip(poses, masks, strict=True):
-        plain = silhouette(mesh, X_CO, SMALL, implementation="numpy")
-        np.testing.assert_array_equal(mask, plain.mask)
-        assert silhouette(mesh, X_CO, SMALL).area_px == plain.area_px
-    for paired in (False, True):
-        fast, plain = (
-            silhouette_iou(mesh, poses, masks, SMALL, paired=paired, implementation=implementation)
-            for implementation in IMPLEMENTATIONS
-        )
-        assert fast[0].shape == ((40,) if paired else (40, 40))
-        np.testing.assert_array_equal(fast[0], plain[0])
-        np.testing.assert_array_equal(fast[1], plain[1])
 
 
 @both

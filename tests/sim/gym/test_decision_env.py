@@ -1,6 +1,5 @@
 """The environment whose steps are decisions, held against the experiment that it is, and against Gymnasium's rules."""
 
-from collections.abc import Iterator
 from typing import Any
 
 import gymnasium
@@ -11,37 +10,13 @@ from gymnasium.utils.env_checker import check_env
 from cell.interfaces import Outcome
 from experiments.setup.experiment import ExperimentSpec, run_experiment
 from experiments.setup.thresholds import load_thresholds
-from maskval import METHODS, Estimates, MaskVal, Needs, NoUncertainty, Pose
+from maskval import METHODS
 from policies import ThresholdPolicy
-from sim.errors import DivergenceError, EnvOptionError, GraphicsError, NoiseFileError
+from sim.errors import DivergenceError, GraphicsError
 from sim.gym.decision_env import SEARCH, GraspCellEnv
-from sim.gym.options import EnvOptions, Rewards
+from sim.gym.options import Rewards
 from sim.runtime.world import World
-from tests.sim.asserts import CERTAIN, assert_every_method_judges_exact_estimates
-
-N = EnvOptions().max_detections
-REFINE, GRASP = 1, 1 + N  # the first of each kind
-SEED = 5
-
-
-def made(**options: Any) -> GraspCellEnv:
-    env = gymnasium.make("graspcell:GraspCell-v0", **{"n_parts": 2, "truth": True} | options).unwrapped
-    assert isinstance(env, GraspCellEnv)
-    return env
-
-
-@pytest.fixture(scope="module")
-def env() -> Iterator[GraspCellEnv]:
-    env = made()
-    yield env
-    env.close()
-
-
-@pytest.fixture(scope="module")
-def oracle() -> Iterator[GraspCellEnv]:
-    env = made(estimator="oracle", methods=("maskval", "ensemble-add"), images=("rgb", "depth", "masks"))
-    yield env
-    env.close()
+from tests.sim.gym.decisions import GRASP, REFINE, SEED, N, made, same
 
 
 def by_threshold(observation: dict[str, Any], u_grasp: float, u_refine: float) -> int:
@@ -55,15 +30,6 @@ def by_threshold(observation: dict[str, Any], u_grasp: float, u_refine: float) -
         return GRASP + best
     # The policy itself refines once per view.
     return REFINE + best if u <= u_refine and not observation["refining"][0] else SEARCH
-
-
-def same(one: Any, other: Any) -> bool:
-    """Equal to the last bit, with dtypes and in nested dicts and lists."""
-    if isinstance(one, dict):
-        return one.keys() == other.keys() and all(same(one[key], other[key]) for key in one)
-    if isinstance(one, np.ndarray):
-        return one.dtype == other.dtype and np.array_equal(one, other)
-    return type(one) is type(other) and bool(one == other)
 
 
 def random_episode(env: GraspCellEnv, seed: int) -> list[tuple[Any, ...]]:
@@ -177,111 +143,6 @@ def test_an_episode_that_is_over_needs_a_reset_and_actions_must_exist(env: Grasp
         env.step(np.int64(0))
 
 
-def first_sight(env: GraspCellEnv) -> tuple[dict[str, Any], dict[str, Any]]:
-    observation, info = env.reset(seed=SEED)
-    while not observation["valid"].any():
-        observation, *_, info = env.step(np.int64(SEARCH))
-    return observation, info
-
-
-def test_exact_estimates_are_observed_where_the_parts_are(oracle: GraspCellEnv) -> None:
-    observation, info = first_sight(oracle)
-    count = int(observation["valid"].sum())
-    assert count >= 1
-    truth = info["truth"]
-    assert truth["mdd_m"] == pytest.approx([0.0] * count, abs=1e-9)
-    for index in range(count):
-        X_BO = Pose.from_matrix(truth["X_BO"][truth["part"][index]])
-        position = observation["position"].reshape(N, 3)[index]
-        # Estimates are placed by the robot's forward kinematics, which the servo misses by less than 1 mm.
-        assert position == pytest.approx(X_BO.translation, abs=2e-3)
-        quaternion_wxyz = observation["orientation"].reshape(N, 4)[index]
-        assert np.abs(quaternion_wxyz @ X_BO.quaternion_wxyz) == pytest.approx(1.0, abs=1e-5)
-    assert not observation["position"].reshape(N, 3)[count:].any()
-    # Whole and exact masks: nothing is uncertain. Both networks agree.
-    inside = observation["visibility"][:count] == 1.0
-    assert inside.any()
-    assert (observation["u_maskval"][:count][inside] < 0.05).all()
-    assert (observation["u_ensemble-add"][:count] == 0.0).all()
-
-
-def test_boxes_areas_and_pictures_belong_to_the_masks(oracle: GraspCellEnv) -> None:
-    observation, _ = first_sight(oracle)
-    masks, depth = observation["masks"][..., 0], observation["depth"][..., 0]
-    assert observation["rgb"].shape == (480, 640, 3)
-    assert observation["rgb"].std() > 0
-    assert masks.max() == observation["valid"].sum()
-    for index in range(int(masks.max())):
-        rows, columns = np.nonzero(masks == index + 1)
-        box = observation["box"].reshape(N, 4)[index]
-        expected = [columns.min() / 640, rows.min() / 480, (columns.max() + 1) / 640, (rows.max() + 1) / 480]
-        assert box == pytest.approx(expected)
-        assert observation["mask_area"][index] == pytest.approx(len(rows) / (640 * 480))
-        assert 0.4 < depth[masks == index + 1].min() < 0.61  # the view is from 0.6 m above the belt
-
-
-def test_no_truth_is_told_unless_it_is_asked_for() -> None:
-    env = made(truth=False)
-    observation, info = env.reset(seed=SEED)
-    assert "truth" not in info
-    assert set(observation) == set(env.observation_space.keys())
-    env.close()
-
-
-@pytest.fixture(scope="module")
-def all_methods() -> Iterator[GraspCellEnv]:
-    env = made(estimator="oracle", methods=tuple(METHODS))
-    yield env
-    env.close()
-
-
-def test_every_method_of_the_library_judges_by_its_name(all_methods: GraspCellEnv) -> None:
-    assert len(METHODS) == 12
-    observation, _ = first_sight(all_methods)
-    assert_every_method_judges_exact_estimates(observation)
-
-
-def u_temporal_of_two_looks(env: GraspCellEnv) -> tuple[float, float]:
-    """Of a part at first sight, and when it is looked at again from above."""
-    observation, info = first_sight(env)
-    part, first = info["truth"]["part"][0], observation["u_temporal"][0]
-    observation, *_, info = env.step(np.int64(REFINE))
-    return float(first), float(observation["u_temporal"][info["truth"]["part"].index(part)])
-
-
-def test_a_method_with_a_memory_remembers_the_episode_and_nothing_before_it(all_methods: GraspCellEnv) -> None:
-    first_of_two = made(estimator="oracle", methods=("temporal", "none"))
-    looks = [u_temporal_of_two_looks(env) for env in (all_methods, all_methods, first_of_two, first_of_two)]
-    first_of_two.close()
-    assert len(set(looks)) == 1
-    at_first_sight, again = looks[0]
-    assert at_first_sight == 1.0
-    assert again < CERTAIN  # both looks are placed by a servo that misses by less than 1 mm, of 5 cm
-
-
-class Doubling:
-    """A method of one's own that needs a second network."""
-
-    needs = Needs(estimators=2)
-
-    def __call__(self, estimates: Estimates) -> Any:
-        return np.full(len(estimates), 0.25)
-
-
-def test_methods_of_ones_own_are_asked_and_their_networks_charged() -> None:
-    mine = made(methods={"none": NoUncertainty(), "mine": Doubling()})
-    other = made(methods={"mine": MaskVal()})
-    observation, _ = first_sight(mine)
-    valid = observation["valid"].astype(bool)
-    assert (observation["u_mine"][valid] == 0.25).all()
-    assert (observation["u_none"] == 0.0).all()
-    _, with_one_network = other.reset(seed=SEED)
-    _, with_two = mine.reset(seed=SEED)
-    assert with_two["time"] - with_one_network["time"] == pytest.approx(0.20, abs=0.005)  # a pose network's time
-    mine.close()
-    other.close()
-
-
 def test_physics_that_fails_truncates_with_the_reason(env: GraspCellEnv, monkeypatch: pytest.MonkeyPatch) -> None:
     env.reset(seed=SEED)
 
@@ -329,49 +190,3 @@ def test_environments_in_processes_of_their_own_do_what_one_does_here(env: Grasp
         here += [env.step(np.int64(action))[0] for action in actions]
         for one, both in zip(here, there, strict=True):
             assert same(one, {name: values[index] for name, values in both.items()})
-
-
-@pytest.mark.parametrize(
-    ("options", "words"),
-    [
-        ({"n_parts": 9}, "expected n_parts of 1 to 8, got 9"),
-        ({"slot_time": 0.0}, "expected slot_time above 0 s, got 0.0"),
-        ({"max_detections": 0}, "expected max_detections of at least 1, got 0"),
-        ({"methods": "maskval"}, "expected methods to be a tuple of names or a mapping, got 'maskval'"),
-        ({"methods": ()}, "expected methods to be a tuple of names or a mapping"),
-        ({"methods": ("magic",)}, "unknown methods 'magic': expected none, maskval, .*, temporal"),
-        ({"images": ("thermal",)}, "unknown images 'thermal': expected rgb, depth, masks"),
-        ({"estimator": "perfect"}, "unknown estimator 'perfect': expected oracle, noisy"),
-        ({"speed": "warp"}, "unknown speed 'warp': expected ur-default"),
-        ({"part": "spoon"}, "spoon"),
-        ({"render_mode": "ascii"}, "unknown render_mode 'ascii'"),
-    ],
-)
-def test_options_that_cannot_be_are_refused(options: dict[str, Any], words: str) -> None:
-    with pytest.raises(ValueError, match=words):
-        GraspCellEnv(**options)
-
-
-def test_rewards_and_reset_options_are_checked(env: GraspCellEnv) -> None:
-    with pytest.raises(EnvOptionError, match="expected a finite reward second, got nan"):
-        Rewards(second=float("nan"))
-    with pytest.raises(EnvOptionError, match="unknown reset options episode: expected experiment, noise"):
-        env.reset(options={"episode": 3})
-    with pytest.raises(NoiseFileError, match=r"unknown noise parameter 'pose\.lateral'"):
-        env.reset(options={"noise": {"pose.lateral": 3.0}})
-
-
-def test_exact_estimates_take_no_noise(oracle: GraspCellEnv) -> None:
-    with pytest.raises(EnvOptionError, match="expected no noise with the estimator oracle"):
-        oracle.reset(options={"noise": {"pose.lateral_mm": 3.0}})
-
-
-def test_other_noise_holds_for_one_episode(env: GraspCellEnv) -> None:
-    def u_of(**options: Any) -> Any:
-        observation, _ = env.reset(seed=3, options=options)
-        return observation["u_maskval"]
-
-    plain, rough = u_of(), u_of(noise={"pose.lateral_mm": 8.0, "pose.outlier_probability": 0.0})
-    seen = np.flatnonzero(plain)
-    assert (rough[seen] > plain[seen]).mean() > 0.5
-    assert same(u_of(), plain)

@@ -9,6 +9,7 @@ from cell.records import State
 from cell.viewpoints import REFINE_DISTANCE, refinement_view
 from maskval import Pose
 from policies import Always, ThresholdPolicy
+from tests.cell.cycle.runs import entered
 from tests.fakes import (
     ATTEMPT,
     LOOK_TIME,
@@ -33,10 +34,6 @@ LOOK, AGAIN = [State.SEARCH, State.LOOK, State.DECIDE], [State.REFINE, State.LOO
 
 def config(**other: object) -> CycleConfig:
     return CycleConfig(parts=1, settle_time=SETTLE_TIME, **other)
-
-
-def entered(experiment: Experiment) -> list[State]:
-    return [transition.target for transition in experiment.transitions]
 
 
 def reasons(experiment: Experiment, state: State) -> list[str]:
