@@ -81,7 +81,7 @@ class Attempt:
 
         Args:
             X_BO_est: where the part was seen.
-            container_slot: where it shall go.
+            container_slot: where the part is to go.
             seen_at: when it was there, s; where the belt moves, it has carried the part on since.
         """
         self._seen_at = seen_at

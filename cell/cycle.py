@@ -149,7 +149,7 @@ class Cycle:
         Yields each observation that calls for a decision, does what it is sent, and at the end returns the count.
 
         Raises:
-            PolicyError: what was sent is no decision, or about a detection that does not exist.
+            PolicyError: what was sent is not a decision, or names a detection that does not exist.
         """
         outcomes: list[Outcome] = []
         timeouts = 0

@@ -14,7 +14,7 @@ class InvalidTrajectoryError(CellError, ValueError):
 
 
 class EstimatorError(CellError, RuntimeError):
-    """An estimator or an uncertainty method raised, took too long, or returned something that is no estimate."""
+    """An estimator or an uncertainty method raised, took too long, or returned an invalid estimate."""
 
 
 class PolicyError(CellError, RuntimeError):

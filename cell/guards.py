@@ -75,7 +75,7 @@ def guarded_decision(policy: Policy, observation: Observation, time_limit: float
     """The policy's decision.
 
     Args:
-        policy: whom to ask.
+        policy: decides.
         observation: about what.
         time_limit: s of the wall clock, see `ask`.
 

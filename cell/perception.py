@@ -1,4 +1,4 @@
-"""From a picture to an observation: detect, estimate, quantify, and refuse what is no estimate."""
+"""From a picture to an observation: detect, estimate, quantify, and reject invalid estimates."""
 
 import math
 from collections.abc import Callable, Sequence

@@ -34,7 +34,7 @@ def calibrate(config: Calibrate) -> int:
     """Fits, prints what was reached and writes the results; returns the exit code.
 
     Raises:
-        UsageError: an argument that cannot be.
+        UsageError: an invalid argument.
         BrokenProcessPool: a worker died; nothing is written.
     """
     config.check()
@@ -80,7 +80,7 @@ class _Bench:
 
 
 def _fit(bench: _Bench, calibration: Calibration, noise: PartNoise, config: Calibrate) -> Fitted:
-    """First the detector, whose figures hang on its own parameters alone, then the pose networks behind it."""
+    """First the detector, whose figures depend on its own parameters only, then the pose networks behind it."""
     fits: dict[str, Fit] = {}
     for section, names in GROUPS.items():
         priors, targets = calibration.priors_of(section), calibration.targets_of(*names)

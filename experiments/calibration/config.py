@@ -43,7 +43,7 @@ class Calibrate:
         return worker_count(self.jobs)
 
     def check(self) -> None:
-        """Refuses an argument that cannot be.
+        """Rejects invalid arguments.
 
         Raises:
             UsageError: says which and why.

@@ -35,7 +35,7 @@ def compare(config: Compare) -> int:
     worker process. An experiment that failed is in the table, the logs and the exit code, and ends nothing.
 
     Raises:
-        UsageError: an argument that cannot be.
+        UsageError: an invalid argument.
         SimError: the cell cannot be set up.
     """
     specs = config.specs()
@@ -108,7 +108,7 @@ def _write_all(specs: Sequence[ExperimentSpec], workers: int, logs: LogWriter, r
                 progress.set_postfix_str(f"{result.spec.part} × {result.spec.method}", refresh=False)
                 progress.update()
         except SimError:
-            progress.leave = False  # the error shall be the only line
+            progress.leave = False  # the error is to be the only line
             raise
 
 

@@ -99,7 +99,7 @@ class Compare(CellOptions):
         """The experiments, object by object, method by method.
 
         Raises:
-            UsageError: an argument that cannot be.
+            UsageError: an invalid argument.
         """
         from experiments.setup.estimators import check_not_recorded
         from experiments.setup.methods import named_methods
@@ -148,7 +148,7 @@ class Run(CellOptions):
         """The experiment.
 
         Raises:
-            UsageError: an argument that cannot be.
+            UsageError: an invalid argument.
         """
         from experiments.setup.estimators import check_not_recorded
         from experiments.setup.thresholds import load_thresholds
@@ -188,7 +188,7 @@ class Picture:
         """The experiment that the picture is taken from.
 
         Raises:
-            UsageError: an argument that cannot be.
+            UsageError: an invalid argument.
         """
         from cell.records import State
         from experiments.setup.experiment import ExperimentSpec
@@ -245,7 +245,7 @@ class Tolerance:
         """One experiment with one part per trial.
 
         Raises:
-            UsageError: an argument that cannot be.
+            UsageError: an invalid argument.
         """
         from experiments.setup.experiment import ExperimentSpec
         from experiments.setup.thresholds import load_thresholds

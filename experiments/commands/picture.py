@@ -27,7 +27,7 @@ def picture(config: Picture) -> int:
     """Runs an experiment up to the wanted moment and writes the picture; returns the exit code.
 
     Raises:
-        UsageError: an argument that cannot be.
+        UsageError: an invalid argument.
     """
     spec = config.spec()
     writable_folder(config.out.parent)

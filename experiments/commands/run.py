@@ -21,7 +21,7 @@ def run(config: Run) -> int:
     """Runs the experiment and prints what happens as it happens; returns the exit code.
 
     Raises:
-        UsageError: an argument that cannot be.
+        UsageError: an invalid argument.
     """
     spec = config.spec()
     folder = None if config.out is None else writable_folder(config.out)

@@ -36,7 +36,7 @@ def tolerance(config: Tolerance) -> int:
     """Runs all trials, prints the curve and writes tolerance.json and manifest.json; returns the exit code.
 
     Raises:
-        UsageError: an argument that cannot be.
+        UsageError: an invalid argument.
     """
     trials = [Trial(spec, mdd_mm) for part in config.objects for mdd_mm in config.mdd_mm for spec in config.specs(part)]
     folder = writable_folder(config.out)

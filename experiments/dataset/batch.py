@@ -105,7 +105,7 @@ def run_batch(task: BatchTask) -> tuple[Judged, Matches]:
 
 
 def annotate(annotations: Annotations, truth: FrameTruth, detections: Sequence[Detection], least: float) -> None:
-    """Adds an image to the detector's reckoning; it is asked for the parts whose visible share is at least `least`."""
+    """Adds an image to the detector's evaluation, which counts parts whose visible share is at least `least`."""
     seen = [(truth.mask(part), share >= least) for part, share in enumerate(truth.visibility) if share > 0.0]
     annotations.add(seen, [(detection.mask, detection.score) for detection in detections])
 

@@ -24,7 +24,7 @@ def dataset(config: Dataset) -> int:
     """Makes and judges all images, prints the tables and writes the results; returns the exit code.
 
     Raises:
-        UsageError: an argument that cannot be.
+        UsageError: an invalid argument.
         BrokenProcessPool: a worker died; nothing is written.
     """
     config.check()

@@ -83,7 +83,7 @@ class Dataset:
         return [range(first, min(first + _BATCH, self.images)) for first in range(0, self.images, _BATCH)]
 
     def check(self) -> None:
-        """Refuses an argument that cannot be.
+        """Rejects invalid arguments.
 
         Raises:
             UsageError: says which and why.

@@ -18,7 +18,7 @@ def predict(config: Predict) -> int:
     """Runs the experiments of every variant, prints a table for each and writes the results; returns the exit code.
 
     Raises:
-        UsageError: an argument that cannot be.
+        UsageError: an invalid argument.
         ExperimentsFailedError: an experiment has no result.
     """
     config.check()

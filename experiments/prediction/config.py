@@ -36,7 +36,7 @@ class FitGap:
         return worker_count(self.jobs)
 
     def check(self) -> None:
-        """Refuses an argument that cannot be.
+        """Rejects invalid arguments.
 
         Raises:
             UsageError: says which and why.
@@ -82,7 +82,7 @@ class Predict:
         return worker_count(self.jobs)
 
     def check(self) -> None:
-        """Refuses an argument that cannot be.
+        """Rejects invalid arguments.
 
         Raises:
             UsageError: says which and why.

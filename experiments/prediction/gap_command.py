@@ -20,7 +20,7 @@ def gap(config: FitGap) -> int:
     """Runs the grid, prints it and the fit, and writes the results; returns the exit code.
 
     Raises:
-        UsageError: an argument that cannot be.
+        UsageError: an invalid argument.
         ExperimentsFailedError: an experiment has no result.
     """
     config.check()

@@ -40,7 +40,7 @@ def render_dataset(config: RenderDataset) -> int:
     """Renders and writes the dataset; returns the exit code.
 
     Raises:
-        UsageError: an argument that cannot be.
+        UsageError: an invalid argument.
     """
     config.check()
     write_model(config.out, load_part(config.object).part.mesh, default_camera())

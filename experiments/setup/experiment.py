@@ -79,7 +79,7 @@ class ExperimentSpec:
 
 @dataclass(frozen=True, slots=True)
 class ExperimentResult:
-    """What came of an experiment: its counts, or the reason why there are none; and the rows of its logs."""
+    """The result of an experiment: its counts, or why there are none, and the rows of its logs."""
 
     spec: ExperimentSpec
     count: Tally | None
@@ -105,9 +105,9 @@ def run_experiment(
         cell: what it runs in; the process's own for experiments of this kind by default.
 
     Raises:
-        SimError: the cell cannot be set up, for want of OpenGL for example.
+        SimError: the cell cannot be set up, for example without OpenGL.
     """
-    # What fails here fails for every experiment, and is no result of this one.
+    # What fails here fails for every experiment, and is not a result of this one.
     cell = cell or kept_cell(*spec.cell)
     part, latest_truth = cell.world.part_model.part, LatestTruth()
     key = {"object": part.name, "method": spec.method, "experiment": spec.experiment}

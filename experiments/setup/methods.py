@@ -114,6 +114,6 @@ def known_method(name: str, part: Part, thresholds: Thresholds) -> Method:
 
 
 def own_threshold(uncertainty: UncertaintyMethod) -> float | None:
-    """The u_t,g that a method brings along as its attribute `u_grasp`, for want of a derived one."""
+    """The u_t,g that a method brings along as its attribute `u_grasp`, where none was derived."""
     u_grasp: float | None = getattr(uncertainty, "u_grasp", None)
     return u_grasp

@@ -24,7 +24,7 @@ def run_all(job: Callable[[Task], Result], tasks: Sequence[Task], jobs: int) -> 
         jobs: worker processes; 1 runs in this one.
 
     Raises:
-        BrokenProcessPool: a worker died, for want of memory for example.
+        BrokenProcessPool: a worker died, for example without memory.
     """
     with workers(min(jobs, len(tasks))) as run:
         yield from run(job, tasks)

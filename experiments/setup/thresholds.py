@@ -45,7 +45,7 @@ class Thresholds:
         Args:
             part: the object's name.
             method: the method's name.
-            own: what the method brings along, for want of all others.
+            own: the method's own, where there is no other.
 
         Raises:
             UsageError: there is none.

@@ -37,7 +37,7 @@ class DetectorScore:
 
 @dataclass(frozen=True, slots=True)
 class RandomUncertainty:
-    """Chance, the floor: a uniform number that hangs on nothing but the seed and the pose, to 1e-9.
+    """Chance, the floor: a uniform number that depends on the seed and the pose only, to 1e-9.
 
     The same pose has the same u whenever it is looked at, and in whatever company.
 

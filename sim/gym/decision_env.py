@@ -55,7 +55,7 @@ class GraspCellEnv(CellEnv[np.int64]):
             options: {"experiment": i} chooses the number of the experiment.
 
         Raises:
-            SimError: the cell cannot be set up, for want of OpenGL for example.
+            SimError: the cell cannot be set up, for example without OpenGL.
         """
         episode = self._begin_episode(seed, options)
         self._perception, self._records, self._slots_over = episode.perception, [], 0

@@ -60,7 +60,7 @@ class EnvOptions:
         conditions: what disturbs the cell.
         rewards: the weights of the reward.
         max_detections: how many detections an observation has room for; those of the best scores are in it.
-        images: "rgb", "depth" and "masks", whichever an observation shall hold.
+        images: "rgb", "depth" and "masks", whichever an observation holds.
         truth: whether `info` holds the truth.
     """
 
@@ -99,7 +99,7 @@ class EnvOptions:
 
     @property
     def camera_images(self) -> frozenset[Image]:
-        """What the camera shall deliver for the observation."""
+        """The images that the observation needs of the camera."""
         return frozenset(Image(name) for name in self.images if name != "masks")
 
 

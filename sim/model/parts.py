@@ -151,7 +151,7 @@ def _shape(table: dict[str, Any], meshes: Mapping[str, bytes]) -> tuple[trimesh.
     if generator is not None:
         if generator not in _GENERATORS:
             raise ValueError(f"mesh.generator is {generator!r}, expected one of {', '.join(_GENERATORS)}")
-        # Rounded: which triangles the hulls have, and so how likely a side is, hangs on the last bit otherwise.
+        # Rounded: otherwise the last bit decides which triangles the hulls have, and so how likely a side is.
         curves = rounded(_GENERATORS[generator](**{key: value for key, value in table.items() if key != "generator"}))
         return join(curves), convex_pieces(curves)
     surface = _mesh(table["file"], meshes)
@@ -175,7 +175,7 @@ def _mesh(name: str, meshes: Mapping[str, bytes]) -> trimesh.Trimesh:
 
 
 def check_mesh(mesh: trimesh.Trimesh, source: str) -> None:
-    """Refuses a surface that has no inside or cannot be meant in metres.
+    """Rejects a surface that encloses no volume or is not in metres.
 
     Raises:
         PartFileError: says what is wrong and how to see it.

@@ -35,7 +35,7 @@ class ImageEstimates:
 
 
 def estimate_image(truth: FrameTruth, noise: PartNoise, streams: Streams) -> ImageEstimates:
-    """Detections and poses of one image; an instance's errors hang on the streams and its number alone.
+    """Detections and poses of one image; an instance's errors depend on the streams and its number only.
 
     Args:
         truth: The image.

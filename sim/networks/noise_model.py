@@ -127,7 +127,7 @@ class PartNoise:
             name: "section.key" as in the file, "pose.lateral_mm" for example.
 
         Raises:
-            NoiseFileError: there is no such parameter, or it is no number.
+            NoiseFileError: there is no such parameter, or it is not a number.
         """
         section, key = _numeric(name)
         value: float = getattr(getattr(self, section), key)
@@ -159,7 +159,7 @@ def bounds(name: str) -> tuple[float, float]:
         name: "section.key" as in the file.
 
     Raises:
-        NoiseFileError: there is no such parameter, or it is no number.
+        NoiseFileError: there is no such parameter, or it is not a number.
     """
     section, key = _numeric(name)
     metadata = next(entry.metadata for entry in fields(SECTIONS[section]) if entry.name == key)
@@ -248,7 +248,7 @@ def _check_keys(table: dict[str, Any], expected: set[str], source: str, what: st
 
 
 def _check(record: Any) -> None:
-    """Refuses a value that is no number or out of its field's range."""
+    """Rejects a value that is not a number in its field's range."""
     for entry in fields(record):
         if "low" not in entry.metadata:
             continue
