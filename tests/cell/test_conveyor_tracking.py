@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from cell.conveyor_tracking import RAMP_TIME, at_speed, carried, joining, leaving, track
+from cell.conveyor_tracking import BELT_SD, POSE_SD, RAMP_TIME, BeltSpeed, at_speed, carried, joining, leaving, track
 from cell.motion_limits import PRESETS
 from cell.trajectory import line_poses
 from cell.ur10 import SPEED_LIMITS, forward, forward_batch, inverse_on_branch
@@ -59,3 +59,29 @@ def test_what_is_carried_moves_with_the_belt_and_turns_not() -> None:
     assert np.array_equal(there.rotation, X_LOW.rotation)
     assert carried(there, V_B, -2.0).translation == pytest.approx(X_LOW.translation)
     assert carried(X_LOW, np.zeros(3), 2.0) is X_LOW
+
+
+ALONG = np.array([0.0, 0.6, 0.8])
+ASIDE = np.array([1.0, 0.0, 0.0])
+
+
+def test_one_pair_of_looks_corrects_the_speed_by_the_share_that_the_variances_say() -> None:
+    belt = BeltSpeed(0.1)
+    assert belt.learn(0.105 * 2.0 * ALONG, ALONG, 2.0)
+    prior, measured = (BELT_SD * 0.1) ** 2, 2 * POSE_SD**2 / 2.0**2
+    assert belt.speed == pytest.approx(0.1 + 0.005 * prior / (prior + measured))
+
+
+def test_many_pairs_of_looks_tell_the_speed_whatever_was_believed() -> None:
+    belt, rng = BeltSpeed(0.1), np.random.default_rng(0)
+    for _ in range(400):
+        belt.learn(0.11 * 1.5 * ALONG + rng.normal(0.0, np.sqrt(2) * POSE_SD, 3), ALONG, 1.5)
+    # 4 standard deviations of the mean of 400, with the prior worth less than 2 of them.
+    assert belt.speed == pytest.approx(0.11, abs=4 * np.sqrt(2) * POSE_SD / 1.5 / 20 + 0.01 * 2 / 400)
+
+
+@pytest.mark.parametrize("wrong", [0.05 * ALONG, -0.05 * ALONG, 0.05 * ASIDE])
+def test_looks_that_do_not_belong_together_teach_nothing(wrong: np.ndarray) -> None:
+    belt = BeltSpeed(0.1)
+    assert not belt.learn(0.1 * 1.5 * ALONG + wrong, ALONG, 1.5)
+    assert belt.speed == 0.1

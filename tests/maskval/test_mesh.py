@@ -25,6 +25,16 @@ def test_the_diameter_is_the_greatest_distance_of_two_vertices() -> None:
         assert Mesh(vertices, rng.permutation(699).reshape(-1, 3)).diameter == distances.max()
 
 
+def test_the_center_is_the_middle_of_the_box_and_not_the_mean_of_the_vertices() -> None:
+    mesh = Mesh(np.array([[0.0, -1, 2], [3, 0, 2], [0, 4, 3]]), [[0, 1, 2]])
+    assert mesh.center.tolist() == [(0 + 3) / 2, (-1 + 4) / 2, (2 + 3) / 2]
+
+
+def test_nobody_can_write_to_the_center() -> None:
+    with pytest.raises(ValueError, match="read-only"):
+        shapes.cube().center[0] = 1
+
+
 def test_a_closed_mesh_has_three_edges_for_two_faces_each_with_two_sides() -> None:
     vertices, faces = shapes.torus()
     edges = Mesh(vertices, faces).edges

@@ -1,6 +1,8 @@
 """`graspcell uq` on a small data set, whole and spoilt in the ways that files are."""
 
 import csv
+import gzip
+import json
 import re
 
 import numpy as np
@@ -48,6 +50,30 @@ def test_uq_takes_the_data_sets_own_masks(arguments, capsys) -> None:
     with_detections = run(arguments, capsys)
     arguments[arguments.index("--masks") + 1] = "mask_visib"
     assert run(arguments, capsys) == with_detections
+
+
+def test_uq_takes_compressed_detections(arguments, capsys, tmp_path) -> None:
+    plain = run(arguments, capsys)
+    compressed = tmp_path / "detections.json.gz"
+    compressed.write_bytes(gzip.compress((tmp_path / "detections.json").read_bytes()))
+    arguments[arguments.index("--masks") + 1] = str(compressed)
+    assert plain[0] == 0
+    assert run(arguments, capsys) == plain
+
+
+def test_uq_says_in_one_line_that_rotations_of_a_file_are_inexact(arguments, capsys, tmp_path) -> None:
+    path = tmp_path / "test" / f"{bop_dataset.SCENE:06d}" / "scene_gt.json"
+    images = json.loads(path.read_text())
+    for first, *_ in images.values():
+        first["cam_R_m2c"][0] += 0.004
+    path.write_text(json.dumps(images))
+    code, _, err = run(arguments, capsys)
+    assert code == 0
+    words = (
+        rf"graspcell: warning: {path}: {IMAGES} of {2 * IMAGES} rotations are off by more than "
+        r"0.001, by up to 0.00\d+; the nearest rotations are taken\n"
+    )
+    assert re.fullmatch(words, err)
 
 
 def test_uq_without_true_poses_prints_uncertainties_only(arguments, capsys, tmp_path) -> None:

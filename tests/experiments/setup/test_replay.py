@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
@@ -21,6 +22,8 @@ from tests.experiments.command import Told, command
 
 METHOD, PARTS = "ensemble-add", 2  # two networks; the second part of this seed is looked at twice
 SETUP = EstimatorSetup(load_part("handle").part, Layout().camera, 0.5, seed=5, experiment=0)
+AHEAD = [0.0, 0.0, 0.5, 1.0, 0.0, 0.0, 0.0]
+PIXELS = 480 * 640
 Row = dict[str, Any]
 
 
@@ -160,6 +163,39 @@ def test_a_file_that_is_no_log_is_refused(tmp_path: Path) -> None:
         load_recording(tmp_path, SETUP, METHOD)
 
 
+def write_log(folder: Path, mask_rle: list[int], X_CO_est: list[float]) -> None:
+    key: dict[str, Any] = {"object": "handle", "method": "maskval", "experiment": 0, "frame": 3}
+    frame = key | {"X_BC": AHEAD, "detections": 1, "inference_s": 0.5}
+    estimate = key | {"mask_rle": mask_rle, "score": 1.0, "X_CO_est": X_CO_est, "X_CO_est_2": None}
+    for name, row in (("frames", frame), ("estimates", estimate)):
+        pq.write_table(pa.Table.from_pylist([row]), folder / f"{name}.parquet")
+
+
+def test_a_recorded_mask_fills_the_image(tmp_path: Path) -> None:
+    write_log(tmp_path, [PIXELS], AHEAD)
+    assert len(load_recording(tmp_path, SETUP, "maskval").networks) == 1
+
+
+@pytest.mark.parametrize(
+    ("mask_rle", "X_CO_est", "words"),
+    [
+        # The sum is that of the image in 64 bits.
+        (
+            [2**62, 2**62, 2**62, 2**62 + PIXELS],
+            AHEAD,
+            f"counts must add up to 480 x 640 = {PIXELS}, but to {2**64 + PIXELS}",
+        ),
+        ([PIXELS], [0.0, 0.0, 0.5, 2.0, 0.0, 0.0, 0.0], "quaternion_wxyz must have norm 1"),
+    ],
+)
+def test_a_spoilt_mask_or_pose_is_refused_with_its_experiment_and_frame(
+    tmp_path: Path, mask_rle: list[int], X_CO_est: list[float], words: str
+) -> None:
+    write_log(tmp_path, mask_rle, X_CO_est)
+    with pytest.raises(UsageError, match=f"handle × maskval, experiment 0: frame 3: {words}"):
+        load_recording(tmp_path, SETUP, "maskval")
+
+
 def test_bop_files_need_not_name_what_shows_nothing_but_those_that_do_not_fit_together_are_refused(
     tmp_path: Path, recorded: Path
 ) -> None:
@@ -179,3 +215,23 @@ def test_bop_files_need_not_name_what_shows_nothing_but_those_that_do_not_fit_to
     (tmp_path / "poses.csv").write_text("0,0,1,much,1,2,3\n")
     with pytest.raises(MaskvalError, match=r"poses.csv:1"):
         load_recording(tmp_path, SETUP, METHOD)
+
+
+@pytest.mark.parametrize("job", ["compare", "run"])
+@pytest.mark.parametrize("out", ["recorded", "link", "elsewhere/../recorded", "home"])
+def test_a_replay_into_its_own_recording_is_refused_before_anything_is_written(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, job: str, out: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    for folder in ("recorded", "home", "elsewhere"):
+        Path(folder).mkdir()
+    for name in ("frames.parquet", "estimates.parquet"):
+        Path("home", name).write_text("precious")
+        Path("recorded", name).symlink_to(Path("..", "home", name))
+    Path("link").symlink_to("recorded")
+    told = command(capsys, job, "--estimator", "replay", "--recorded", "recorded", "--out", out)
+    assert (told.code, told.out) == (2, "")
+    assert f"--out {out} would replace the recording in recorded: expected another folder" in told.err
+    assert {path.name for path in Path("home").iterdir()} == {"frames.parquet", "estimates.parquet"}
+    assert {path.name for path in Path("recorded").iterdir()} == {"frames.parquet", "estimates.parquet"}
+    assert {path.read_text() for path in Path("home").iterdir()} == {"precious"}
