@@ -1,36 +1,28 @@
-"""The nearest of many triangles at each pixel, compiled by Numba; `_depth_reference.py` is the same in NumPy."""
+"""The nearest of many triangles at each pixel, compiled by Numba; `depth_reference.py` is the same in NumPy."""
 
 import math
-from collections.abc import Callable
-from typing import ParamSpec, TypeVar, cast
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
-P = ParamSpec("P")
-T = TypeVar("T")
+from maskval.rendering.compiled import jit
 
 Floats = NDArray[np.float64]
 Point = tuple[float, float, float]
 
 
-def _jit(function: Callable[P, T]) -> Callable[P, T]:
-    return cast(Callable[P, T], numba.njit(cache=True, nogil=True, error_model="numpy")(function))
-
-
-@_jit
+@jit
 def _point(points: Floats, index: np.uint32) -> Point:
     return points[index, 0], points[index, 1], points[index, 2]
 
 
-@_jit
+@jit
 def _slope(upper: Point, lower: Point) -> float:
     """du/dv of a side; the same number for both triangles at the side, and nothing where it crosses no row."""
     return (lower[0] - upper[0]) / (lower[1] - upper[1]) if math.ceil(upper[1]) < math.ceil(lower[1]) else 0.0
 
 
-@_jit
+@jit
 def nearest(points: Floats, triangles: NDArray[np.uint32], left: int, top: int, depth: NDArray[np.float32]) -> None:
     """Writes the least depth of the triangles over each pixel of a region.
 

@@ -2,29 +2,24 @@
 
 Both give the same integers: every float is computed by the same operations in the same order, and nothing here allows
 LLVM to fuse them. All jitted functions stand in this one module, because Numba's cache does not see an edit in a
-callee elsewhere; for the same reason it imports no constant. Indices are unsigned where they are read from arrays: a
-signed one costs a look whether it is negative.
+callee elsewhere; for the same reason it imports no constant. `popcount` alone is from elsewhere: one instruction.
+Indices are unsigned where they are read from arrays: a signed one costs a look whether it is negative.
 """
 
 import math
-from collections.abc import Callable
-from typing import Any, ParamSpec, TypeVar, cast
 
-import numba
 import numpy as np
-from numba.extending import intrinsic
 from numpy.typing import NDArray
 
 from maskval.contour import ContourEdges
+from maskval.rendering.compiled import jit, popcount
 from maskval.rendering.views import Views
-
-P = ParamSpec("P")
-T = TypeVar("T")
 
 Ints = NDArray[np.int64]
 Floats = NDArray[np.float64]
 Point = tuple[float, float]
 Lines = tuple[Floats, Ints]
+Contour = tuple[NDArray[np.int8], NDArray[np.uint32]]  # sides and chosen edges
 
 # A row of more crossings is sorted by counting: the squares of insertion sort then cost more than a walk along the row.
 BUSY_ROW = 24
@@ -33,21 +28,7 @@ DELTA_BITS = 32
 DELTA_ZERO = 1 << 31
 
 
-def _jit(function: Callable[P, T]) -> Callable[P, T]:
-    return cast(Callable[P, T], numba.njit(cache=True, nogil=True, error_model="numpy")(function))
-
-
-def _count_bits(_typing_context: Any, _word: Any) -> Any:
-    def generate(_context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
-        return builder.ctpop(arguments[0])
-
-    return numba.types.uint64(numba.types.uint64), generate
-
-
-_popcount: Any = intrinsic(_count_bits)
-
-
-@_jit
+@jit
 def _facing(planes: NDArray[np.float32], eye: NDArray[np.float32]) -> NDArray[np.int8]:
     """The 2 F + 1 sides: the signs of the faces, their negatives, and 0."""
     count = planes.shape[1]
@@ -63,7 +44,7 @@ def _facing(planes: NDArray[np.float32], eye: NDArray[np.float32]) -> NDArray[np
     return sides
 
 
-@_jit
+@jit
 def _chosen(sides: NDArray[np.int8], edges: ContourEdges) -> NDArray[np.uint32]:
     """The edges of the contour: those whose two sides do not cancel."""
     lefts, rights = edges.lefts, edges.rights
@@ -76,7 +57,7 @@ def _chosen(sides: NDArray[np.int8], edges: ContourEdges) -> NDArray[np.uint32]:
     return chosen[:count]
 
 
-@_jit
+@jit
 def _homogeneous(projection: Floats, vertices: Floats, index: np.uint32) -> tuple[float, float, float]:
     x, y, z = vertices[index, 0], vertices[index, 1], vertices[index, 2]
     return (
@@ -86,14 +67,14 @@ def _homogeneous(projection: Floats, vertices: Floats, index: np.uint32) -> tupl
     )
 
 
-@_jit
+@jit
 def _pixel(projection: Floats, vertices: Floats, index: np.uint32) -> Point:
     u, v, depth = _homogeneous(projection, vertices, index)
     scale = 1.0 / depth
     return u * scale, v * scale
 
 
-@_jit
+@jit
 def _cut(projection: Floats, vertices: Floats, a: np.uint32, b: np.uint32, near: float) -> Point:
     """Where the edge between two vertices meets the near plane; the same number from both faces of the edge."""
     if a > b:
@@ -105,7 +86,7 @@ def _cut(projection: Floats, vertices: Floats, a: np.uint32, b: np.uint32, near:
     return (ua + (ub - ua) * share) * scale, (va + (vb - va) * share) * scale
 
 
-@_jit
+@jit
 def _draw(lines: Lines, count: int, ends: tuple[Point, Point], winding: int, canvas: Ints) -> int:
     """The number of lines after one from end to end was added, if it crosses a row of the canvas."""
     floats, ints = lines
@@ -116,16 +97,13 @@ def _draw(lines: Lines, count: int, ends: tuple[Point, Point], winding: int, can
     last = min(math.ceil(b[1]), canvas[3])
     if first >= last:
         return count
-    floats[count, 0] = a[0]
-    floats[count, 1] = a[1]
+    floats[count, 0], floats[count, 1] = a
     floats[count, 2] = (b[0] - a[0]) / (b[1] - a[1])
-    ints[count, 0] = first
-    ints[count, 1] = last
-    ints[count, 2] = winding
+    ints[count, 0], ints[count, 1], ints[count, 2] = first, last, winding
     return count + 1
 
 
-@_jit
+@jit
 def _lines(edges: ContourEdges, view: Views, n: int) -> Lines:
     """The contour in the image: u, v and du/dv of each line's upper end, its rows and what it adds below."""
     projection, vertices, canvas = view.projections[n], edges.vertices_M, view.canvas
@@ -146,14 +124,8 @@ def _lines(edges: ContourEdges, view: Views, n: int) -> Lines:
     return lines[0][:count], lines[1][:count]
 
 
-@_jit
-def _clipped_lines(
-    edges: ContourEdges,
-    view: Views,
-    n: int,
-    contour: tuple[NDArray[np.int8], NDArray[np.uint32]],
-    lines: Lines,
-) -> int:
+@jit
+def _clipped_lines(edges: ContourEdges, view: Views, n: int, contour: Contour, lines: Lines) -> int:
     """The number of lines of a mesh that the near plane may cut: its contour before the plane, closed by the cuts."""
     projection, vertices, canvas, near = view.projections[n], edges.vertices_M, view.canvas, view.near
     sides, chosen = contour
@@ -185,7 +157,7 @@ def _clipped_lines(
     return count
 
 
-@_jit
+@jit
 def _sort_row(keys: Ints, begin: int, end: int) -> int:
     """Sorts the crossings of a row; the end of what is left of them."""
     if end - begin <= BUSY_ROW:
@@ -209,7 +181,7 @@ def _sort_row(keys: Ints, begin: int, end: int) -> int:
     return kept
 
 
-@_jit
+@jit
 def _crossings(lines: Lines, top: int, bottom: int, canvas: Ints) -> tuple[Ints, Ints]:
     """Where the lines cross the rows, row by row, and where each row ends in that."""
     floats, ints = lines
@@ -234,18 +206,16 @@ def _crossings(lines: Lines, top: int, bottom: int, canvas: Ints) -> tuple[Ints,
     return keys, ends
 
 
-@_jit
+@jit
 def spans(edges: ContourEdges, view: Views, n: int) -> Ints:
     """The silhouette of view n as rows, first columns and columns after the last, (S, 3), on the whole canvas."""
     lines = _lines(edges, view, n)
-    count = len(lines[1])
-    if view.kinds[n] == 2 or count == 0:
+    if view.kinds[n] == 2 or len(lines[1]) == 0:
         return np.empty((0, 3), dtype=np.int64)
     top, bottom = lines[1][:, 0].min(), lines[1][:, 1].max()
     keys, ends = _crossings(lines, top, bottom, view.canvas)
     found = np.empty((len(keys) // 2, 3), dtype=np.int64)
-    count = 0
-    begin = 0
+    count = begin = 0
     for row in range(bottom - top):
         end = ends[row]
         winding = start = 0
@@ -255,15 +225,13 @@ def spans(edges: ContourEdges, view: Views, n: int) -> Ints:
                 start = column
             winding += (keys[i] & ((1 << DELTA_BITS) - 1)) - DELTA_ZERO
             if winding == 0 and column > start:
-                found[count, 0] = row + top
-                found[count, 1] = start
-                found[count, 2] = column
+                found[count, 0], found[count, 1], found[count, 2] = row + top, start, column
                 count += 1
         begin = end
     return found[:count]
 
 
-@_jit
+@jit
 def _overlap(found: Ints, words: NDArray[np.uint64]) -> np.int64:
     """Pixels of the spans, which lie inside the image, that are also in a packed mask (H, words)."""
     total = np.uint64(0)
@@ -274,29 +242,27 @@ def _overlap(found: Ints, words: NDArray[np.uint64]) -> np.int64:
         head = ones << np.uint64(start & 63)
         tail = ones >> np.uint64(63 - (last & 63))
         if first_word == last_word:
-            total += _popcount(words[row, first_word] & head & tail)
+            total += popcount(words[row, first_word] & head & tail)
         else:
-            total += _popcount(words[row, first_word] & head) + _popcount(words[row, last_word] & tail)
+            total += popcount(words[row, first_word] & head) + popcount(words[row, last_word] & tail)
             for word in range(first_word + 1, last_word):
-                total += _popcount(words[row, word])
+                total += popcount(words[row, word])
     return np.int64(total)
 
 
-@_jit
+@jit
 def _clip(found: Ints, width: int, height: int) -> Ints:
     """The spans inside the image, moved to the front."""
     kept = 0
     for i in range(len(found)):
         row, start, stop = found[i, 0], max(found[i, 1], 0), min(found[i, 2], width)
         if 0 <= row < height and start < stop:
-            found[kept, 0] = row
-            found[kept, 1] = start
-            found[kept, 2] = stop
+            found[kept, 0], found[kept, 1], found[kept, 2] = row, start, stop
             kept += 1
     return found[:kept]
 
 
-@_jit
+@jit
 def _area(found: Ints) -> int:
     total = 0
     for i in range(len(found)):
@@ -304,27 +270,23 @@ def _area(found: Ints) -> int:
     return total
 
 
-@_jit
+@jit
 def measure(edges: ContourEdges, view: Views, words: NDArray[np.uint64], paired: bool) -> tuple[Ints, Ints]:
     """Areas on the canvas and in the image, (N, 2), and overlaps with the masks, (N, K) or (N, 1) when paired."""
     count = len(view.kinds)
-    masks = len(words)
     areas = np.empty((count, 2), dtype=np.int64)
-    overlaps = np.empty((count, 1 if paired else masks), dtype=np.int64)
+    overlaps = np.empty((count, 1 if paired else len(words)), dtype=np.int64)
     for n in range(count):
         found = spans(edges, view, n)
         areas[n, 0] = _area(found)
         found = _clip(found, view.width, view.height)
         areas[n, 1] = _area(found)
-        if paired:
-            overlaps[n, 0] = _overlap(found, words[n])
-        else:
-            for k in range(masks):
-                overlaps[n, k] = _overlap(found, words[k])
+        for k in range(overlaps.shape[1]):
+            overlaps[n, k] = _overlap(found, words[n if paired else k])
     return areas, overlaps
 
 
-@_jit
+@jit
 def draw(edges: ContourEdges, view: Views, mask: NDArray[np.bool_]) -> int:
     """Sets the pixels of the first view's silhouette in a mask; its area on the canvas."""
     found = spans(edges, view, 0)
