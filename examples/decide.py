@@ -11,11 +11,11 @@ import numpy as np
 THRESHOLD = 0.3  # of MaskVal's u
 
 
-def decide(observation, count):
-    """The action: 0 searches on, 1 + count + k grasps detection k."""
+def decide(observation):
+    """The action: 0 searches on, 1 + N + k grasps detection k of N."""
     u = np.where(observation["valid"] == 1, observation["u_maskval"], np.inf)
     best = int(u.argmin())
-    return 1 + count + best if u[best] <= THRESHOLD else 0
+    return 1 + len(u) + best if u[best] <= THRESHOLD else 0
 
 
 def main():
@@ -25,7 +25,7 @@ def main():
     observation, info = env.reset(seed=0)
     over = False
     while not over:
-        action = decide(observation, env.unwrapped.options.max_detections)
+        action = decide(observation)
         observation, _, terminated, truncated, info = env.step(action)
         over = terminated or truncated
         for event in info["events"]:

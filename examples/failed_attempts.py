@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pyarrow.parquet as pq
 
-NO_FAILURE = ("placed", "void", "unreachable")
+from cell import Outcome
 
 
 def table(folder, name):
@@ -25,7 +25,7 @@ def main():
         estimate = estimates[tuple(attempt[key] for key in keys)]
         error_m = estimate["true_mdd_m"]
         error = "no part" if error_m is None else f"{1000 * error_m:5.1f} mm"
-        mark = " " if attempt["outcome"] in NO_FAILURE else "!"
+        mark = "!" if Outcome(attempt["outcome"]).is_false_positive else " "
         print(
             f"{mark} {attempt['object']} × {attempt['method']}, experiment {attempt['experiment']}: "
             f"u = {attempt['u']:.3f}, true error {error}: {attempt['outcome']}"

@@ -4,12 +4,11 @@ Run it with `python own_method.py`, or by the command
 `graspcell compare --objects antenna --methods maskval own_method:Area --experiments 1`.
 """
 
-import subprocess
 import sys
-from pathlib import Path
 
 import numpy as np
 
+from experiments.cli import main
 from maskval import silhouette
 
 
@@ -20,13 +19,12 @@ class Area:
 
     def __call__(self, estimates):
         """One u in [0, 1] per pose, (N,)."""
-        shapes = [silhouette(estimates.mesh, pose, estimates.camera).area_px for pose in estimates.poses[0]]
-        areas = [int(mask.sum()) for mask in estimates.masks]
+        mesh, camera, center = estimates.mesh, estimates.camera, estimates.pixel_center
+        shapes = [silhouette(mesh, pose, camera, pixel_center=center).mask.sum() for pose in estimates.poses[0]]
+        areas = estimates.masks.sum(axis=(1, 2))
         return np.array([1.0 - min(a, b) / max(a, b, 1) for a, b in zip(shapes, areas, strict=True)])
 
 
-if __name__ == "__main__":
+if __name__ == "__main__":  # workers import this file, too
     options = sys.argv[1:] or ["--experiments", "1"]
-    command = [sys.executable, "-m", "experiments.cli", "compare", "--objects", "antenna"]
-    here = Path(__file__).parent
-    subprocess.run([*command, "--methods", "maskval", "own_method:Area", *options], cwd=here, check=True)
+    main(["compare", "--objects", "antenna", "--methods", "maskval", "own_method:Area", *options])
