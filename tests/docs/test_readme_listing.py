@@ -9,8 +9,14 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-BLOCKS = re.findall(r"^```\n(.*?)^```$", (ROOT / "README.md").read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)
+README = (ROOT / "README.md").read_text(encoding="utf-8")
 OMITTED = "...\n"  # a line of the README that stands for several
+
+
+def block(name: str) -> str:
+    """The text between the README's markers of this name."""
+    (text,) = re.findall(rf"^<!-- {name}: begin -->\n```\n(.*?)^```\n<!-- {name}: end -->$", README, re.M | re.S)
+    return str(text)
 
 
 def printed(arguments: list[str]) -> str:
@@ -42,15 +48,18 @@ def test_an_omission_hides_nothing_but_the_lines_in_its_place() -> None:
         assert_shows("a\n", "a\nb\n")
 
 
+def test_the_markers_of_the_readme_enclose_the_table_and_the_listing() -> None:
+    assert block("table").startswith("object ")
+    assert block("run").startswith("$ graspcell run ")
+
+
 @pytest.mark.study
 def test_make_run_prints_the_table_of_the_readme(tmp_path: Path) -> None:
     (line,) = re.findall(r"^\t\$\(BIN\)/graspcell (compare .*) --out \$\(OUT\)$", (ROOT / "Makefile").read_text(), re.M)
-    (table,) = [block for block in BLOCKS if block.startswith("object ")]
-    assert_shows(f"{table}results in {tmp_path}\n", printed([*shlex.split(line), "--out", str(tmp_path)]))
+    assert_shows(f"{block('table')}results in {tmp_path}\n", printed([*shlex.split(line), "--out", str(tmp_path)]))
 
 
 @pytest.mark.study
 def test_run_prints_the_listing_of_the_readme() -> None:
-    (listing,) = [block for block in BLOCKS if block.startswith("$ graspcell run ")]
-    command, shown = listing.split("\n", 1)
+    command, shown = block("run").split("\n", 1)
     assert_shows(shown, printed(shlex.split(command)[2:]))
