@@ -1,4 +1,4 @@
-"""Grasp whatever is seen: the paper's "w/o UQ"."""
+"""Grasp whatever is detected: the paper's "w/o UQ"."""
 
 from dataclasses import dataclass
 
@@ -7,7 +7,7 @@ from cell.interfaces import Action, Decision, Observation
 
 @dataclass(frozen=True, slots=True)
 class Always:
-    """Grasps the detection of the best score; searches on when there is none."""
+    """Grasps the detection of the best score; searches on if there is none."""
 
     def decide(self, observation: Observation) -> Decision:
         """See `cell.interfaces.Policy`."""

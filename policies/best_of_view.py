@@ -1,4 +1,4 @@
-"""Grasp the least uncertain of what is seen, however uncertain it is."""
+"""Grasp the least uncertain detection, however uncertain it is."""
 
 from dataclasses import dataclass
 
@@ -7,7 +7,7 @@ from cell.interfaces import Action, Decision, Observation
 
 @dataclass(frozen=True, slots=True)
 class BestOfView:
-    """Grasps the detection of the lowest u; searches on when there is none. A ranking, without any threshold."""
+    """Grasps the detection of the lowest u; searches on if there is none. A ranking without a threshold."""
 
     def decide(self, observation: Observation) -> Decision:
         """See `cell.interfaces.Policy`."""

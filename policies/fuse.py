@@ -1,4 +1,4 @@
-"""The paper's rule upon the average of what several views say of the same part."""
+"""The paper's rule on the average of several views of the same part."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -18,7 +18,7 @@ BASELINE = 0.10  # m between the cameras of two views; a nearer one repeats the 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _View:
-    """What one frame says of one part."""
+    """A part in one frame."""
 
     X_BC: Pose
     X_BO_est: Pose
@@ -26,11 +26,11 @@ class _View:
 
 
 class Fuse:
-    """Like `ThresholdPolicy`, but upon averages: of each detection with all earlier views that agree with it.
+    """Like `ThresholdPolicy`, but on averages: of each detection with all earlier views that agree with it.
 
-    Views agree if their cameras stood apart (`BASELINE`) and their poses are close (`AGREEMENT`), each with each. What
-    is averaged is u, which is decided upon, and the pose, which is grasped. On a moving belt a part is elsewhere in the
-    next view: none agree (but at less than a few mm/s), and the rule is `ThresholdPolicy`'s.
+    Views agree if their cameras stood apart (`BASELINE`) and their poses are close (`AGREEMENT`), each with each. The
+    rule decides on the mean u, and the robot grasps the mean pose. On a moving belt a part is elsewhere in the next
+    view: none agree (except below a few mm/s), and the rule is `ThresholdPolicy`'s.
     """
 
     def __init__(self, setup: PolicySetup) -> None:
@@ -65,7 +65,7 @@ class Fuse:
         return group
 
     def _agree(self, a: _View, b: _View) -> bool:
-        # The part's middle moves by no more than its farthest point, and is compared sooner.
+        # The part's middle moves by no more than its farthest point, and is faster to compare.
         between = np.linalg.norm(a.X_BO_est.apply(self._center_O) - b.X_BO_est.apply(self._center_O))
         return bool(
             between <= AGREEMENT
@@ -75,7 +75,7 @@ class Fuse:
 
 
 def mean_pose(poses: Sequence[Pose], center_O: NDArray[np.float64]) -> Pose:
-    """The pose in the middle of several ones that are close: the mean place of a point, and the mean rotation.
+    """The mean of several poses that are close: the mean position of a point, and the mean rotation.
 
     Args:
         poses: X_AO, at least one.

@@ -1,4 +1,4 @@
-"""The paper's rule with the second look from where an error of the pose would show most."""
+"""The paper's rule with the second look from the view that would show errors of the pose best."""
 
 from dataclasses import replace
 
@@ -18,10 +18,10 @@ ERROR = 0.010  # m by which the six errors below move the part, or its farthest 
 class NextBestView:
     """Like `ThresholdPolicy`, but takes the second look from the view in reach that shows errors of the pose best.
 
-    A pose can be wrong in six ways: shifted along x, y or z, or turned about them. An error shows in a view by the
-    share of the silhouette that it changes, s = 1 − IoU of the silhouettes before and after. What the present view
-    shows is known already; so the best view V is the one with the greatest min over errors of s(present) + s(V): in
-    both views together, the error that is hardest to see is as easy to see as can be.
+    A pose can be wrong in six ways: shifted along x, y or z, or turned about them. An error is visible in a view by the
+    share of the silhouette that it changes, s = 1 − IoU of the silhouettes before and after. The present view already
+    shows some errors, so the best view V has the greatest min over errors of s(present) + s(V). It makes the error that
+    is hardest to see in both views together as visible as possible.
     """
 
     def __init__(self, setup: PolicySetup) -> None:

@@ -13,7 +13,7 @@ LEAST_TIME = 2.5  # s: a move and a look take 2 s at the UR's default speed, and
 class Patient:
     """Like `ThresholdPolicy`, but looks again while u_grasp < u ≤ u_refine: from above, then from the part's sides.
 
-    It searches on when it has taken every view that the arm reaches, or when there is no time for another one.
+    It searches on after every view that the arm reaches, or when there is no time for another one.
     """
 
     def __init__(self, setup: PolicySetup) -> None:

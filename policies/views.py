@@ -19,9 +19,9 @@ SIDES = 8  # directions of tilting, evenly around the part
 
 
 def views_around(observation: Observation, detection: int, setup: PolicySetup) -> list[Pose]:
-    """X_BC of views that centre a detection's part from 0.40 m: from above, then from its sides, as far as in reach.
+    """X_BC of views that centre a detection's part from 0.40 m and are in reach: from above, then from its sides.
 
-    Of two tilts the lesser comes first, of the sides of one tilt opposite ones in turn.
+    Smaller tilts come first; within one tilt, opposite sides follow one another.
     """
     center_B = observation.X_BO_est(detection).apply(setup.part.mesh.center)
     above = look_at(center_B, REFINE_DISTANCE)

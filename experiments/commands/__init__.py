@@ -1,1 +1,1 @@
-"""The commands of `graspcell` about the running cell and about poses of one's own, with what a person sets for each."""
+"""The commands of `graspcell` about the running cell and about a user's own poses, with the options of each."""

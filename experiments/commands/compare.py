@@ -1,4 +1,4 @@
-"""`graspcell compare`: the main job."""
+"""`graspcell compare`: the table of objects and methods."""
 
 from collections.abc import Hashable, Sequence
 from concurrent.futures.process import BrokenProcessPool
@@ -32,7 +32,7 @@ def compare(config: Compare) -> int:
     """Runs all experiments, prints the table and writes the results; returns the exit code.
 
     Ctrl-C keeps what is finished: the table, the logs and the manifest are written for it. So does the death of a
-    worker process. An experiment that failed is in the table, the logs and the exit code, and ends nothing.
+    worker process. An experiment that failed is in the table, the logs and the exit code, and does not end the others.
 
     Raises:
         UsageError: an invalid argument.
@@ -83,10 +83,10 @@ def compare(config: Compare) -> int:
 def _run(
     specs: Sequence[ExperimentSpec], workers: int, folder: Path
 ) -> tuple[list[ExperimentResult], tuple[str, int] | None]:
-    """Runs the experiments and writes their logs; what is finished, and what ended it early with which exit code."""
+    """Runs the experiments and writes their logs; returns the results, and the reason and exit code of an early end."""
     results: list[ExperimentResult] = []
     try:
-        with LogWriter(folder) as logs:  # hears of what ends it: without a result, the earlier logs stay
+        with LogWriter(folder) as logs:  # learns what ends it: without a result, the earlier logs stay
             _write_all(specs, workers, logs, results)
     except KeyboardInterrupt:
         return results, ("interrupted", INTERRUPTED)
@@ -96,7 +96,7 @@ def _run(
 
 
 def _write_all(specs: Sequence[ExperimentSpec], workers: int, logs: LogWriter, results: list[ExperimentResult]) -> None:
-    """Runs the experiments; each that is finished is written and kept without its rows."""
+    """Runs the experiments; writes the rows of each finished one and keeps the result without them."""
     with (
         tqdm(total=len(specs), unit="experiment", dynamic_ncols=True) as progress,
         closing(run_all(run_experiment, specs, workers)) as stream,
@@ -131,9 +131,9 @@ def make_cells(specs: Sequence[ExperimentSpec], results: Sequence[ExperimentResu
 
 
 def make_pairs(specs: Sequence[ExperimentSpec], results: Sequence[ExperimentResult]) -> list[Paired]:
-    """Every method beside the reference, object by object, over the experiments that both have finished.
+    """Every method compared with the reference, object by object, over the experiments that both have finished.
 
-    Experiments with one and the same error model of a domain gap are no independent ones: they are a group.
+    Experiments with the same error model of a domain gap are not independent: they form a group.
     """
     counts = {_place(result.spec): result.count for result in results}
     pairs = []
@@ -148,7 +148,7 @@ def make_pairs(specs: Sequence[ExperimentSpec], results: Sequence[ExperimentResu
 
 
 def _world(spec: ExperimentSpec) -> Hashable:
-    """Equal for experiments with one error model of a domain gap, which are no independent ones."""
+    """Equal for experiments with the same error model of a domain gap, which are not independent."""
     return spec.noise or spec.experiment
 
 
@@ -168,7 +168,7 @@ def grasp_thresholds(specs: Sequence[ExperimentSpec]) -> dict[str, dict[str, flo
 
 
 def caveats(specs: Sequence[ExperimentSpec]) -> list[str]:
-    """A line for each u_t,g that was neither told nor derived by the rule of the others."""
+    """A line for each u_t,g that was neither given nor derived by the rule of the others."""
     thresholds = specs[0].thresholds
     return [
         f"{part} × {method}: u_t,g = {u:.3f}: {caveat}"

@@ -1,4 +1,4 @@
-"""What a person sets on the command line, and the experiments that it asks for."""
+"""The options of the commands that run the cell, and the experiments that they ask for."""
 
 # ruff: noqa: PLC0415  # the engine is loaded when a job begins: --help does not wait for it, nor need OpenGL
 
@@ -28,14 +28,14 @@ ActorOptions = tyro.conf.OmitArgPrefixes[Actors]
 
 @dataclass(frozen=True)
 class CellOptions:
-    """What compare and run have in common: how the cell is, who sees and who decides."""
+    """The common options of compare and run: the cell, the estimators and the policy."""
 
     parts: int = 8
     """Parts on the belt per experiment, each with 20 s of time; 1 to 8."""
     seed: int = 0
     """Root of all random numbers."""
     actors: ActorOptions = field(default_factory=Actors)
-    """Who sees and who decides."""
+    """The estimators and the policy."""
     thresholds: str = "derived"
     """A preset (derived, paper), or a TOML file of the same form, such as graspcell dataset writes."""
     speed: Speed = "ur-default"
@@ -48,7 +48,7 @@ class CellOptions:
         """Raises UsageError unless each object can be run with each method."""
         names = {check_part_and_method(part, method, thresholds) for method in methods for part in objects}
         if len(names) < len(objects):
-            raise UsageError(f"--objects has files of the same part name: {' '.join(objects)}")
+            raise UsageError(f"expected parts of different names for --objects, got {' '.join(objects)}")
         for part, method in product(objects, methods):
             self.actors.check(part, method, thresholds)
 
@@ -75,7 +75,7 @@ class CellOptions:
 
 @dataclass(frozen=True)
 class Compare(CellOptions):
-    """Compare uncertainty methods on grasp success: the paper's robot experiment, for every object and method.
+    """Compare uncertainty methods by grasp success: the paper's robot experiment, for every object and method.
 
     Prints the table beside the paper's and writes table.json, manifest.json and the logs to --out.
     """
@@ -89,7 +89,7 @@ class Compare(CellOptions):
     experiments: int = 5
     """Experiments per object and method; experiment i meets the same parts in the same poses with every method."""
     u_grasp: tuple[str, ...] = ()
-    """Grasping thresholds of your own for all objects, METHOD=U; they go before those of --thresholds."""
+    """Grasping thresholds of your own for all objects, METHOD=U; they take precedence over --thresholds."""
     jobs: int = 0
     """Processes to run experiments in; 0 takes one per core. The results do not depend on it."""
     out: Path = Path("out/compare")
@@ -110,9 +110,9 @@ class Compare(CellOptions):
         methods = named_methods(self.methods)
         for name, chosen in (("--objects", self.objects), ("--methods", methods)):
             if not chosen:
-                raise UsageError(f"{name} is empty: expected at least one name")
+                raise UsageError(f"expected at least one name for {name}, got none")
             if len(set(chosen)) < len(chosen):
-                raise UsageError(f"{name} names something twice: {' '.join(chosen)}")
+                raise UsageError(f"expected different names for {name}, got {' '.join(chosen)}")
         thresholds = load_thresholds(self.thresholds).with_told(self.u_grasp, methods)
         self._check(self.objects, methods, thresholds)
         check_not_recorded(self.out, self.actors.recorded)
@@ -129,7 +129,7 @@ class Compare(CellOptions):
 
 @dataclass(frozen=True)
 class Run(CellOptions):
-    """Run one experiment and tell it step by step: what was seen, u, what was decided, what came of it.
+    """Run one experiment and report each step: the detections, u, the decision and its outcome.
 
     Runs the same experiment as compare does with the same seed and number.
     """
@@ -140,7 +140,7 @@ class Run(CellOptions):
     experiment: int = 0
     """Number of the experiment."""
     u_grasp: float | None = None
-    """Grasping threshold of your own; goes before that of --thresholds."""
+    """Grasping threshold of your own; takes precedence over --thresholds."""
     out: Path | None = None
     """Folder for the logs; none are written without it."""
 
@@ -170,7 +170,7 @@ class Picture:
     object: str = "antenna"
     """Part to be sequenced: antenna, handle, or a TOML file of your own."""
     after: int = 3
-    """How many parts have had their turn."""
+    """How many time slots are over."""
     state: str = "insert"
     """The state that the robot then enters: search, approach, close, transfer, insert, ..."""
     camera: str = "overview"
@@ -222,7 +222,7 @@ class Tolerance:
     """Measure how wrong a pose may be before the grasp fails: one attempt per trial, with an error of this size.
 
     The error's direction, its axis and the share of shift and turn are random. Prints the share of parts placed and
-    what became of the others; writes tolerance.json and manifest.json to --out.
+    the outcomes of the others; writes tolerance.json and manifest.json to --out.
     """
 
     objects: tuple[str, ...] = ("antenna", "handle")

@@ -1,6 +1,6 @@
-"""`graspcell doctor`: whether this machine has what the experiments need, and what to type where it does not.
+"""`graspcell doctor`: whether this machine has what the experiments need, and what to type if not.
 
-It needs nothing but Python: where `graspcell` itself does not start, `python -m experiments.commands.doctor` says why.
+It needs only Python: if `graspcell` itself does not start, `python -m experiments.commands.doctor` says why.
 """
 
 import os
@@ -25,20 +25,20 @@ _WORKER = 0.75e9  # bytes that a process of compare takes; 0.72e9 was measured
 class Doctor:
     """Check this machine: Python, packages, off-screen OpenGL, Numba's cache, cores and memory.
 
-    Says what to type for what does not work. The exit code is 0 if everything that is needed works, else 1.
+    Says what to type where something does not work. The exit code is 0 if everything that is needed works, else 1.
     """
 
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """One thing that was looked at.
+    """One thing that was checked.
 
     Attributes:
         name: what.
         works: whether it does.
         found: version, place or reason.
-        remedy: what to type where it does not work.
-        needed: whether nothing runs without it.
+        remedy: what to type if it does not work.
+        needed: whether the experiments need it.
     """
 
     name: str
@@ -49,7 +49,7 @@ class Finding:
 
 
 def doctor(_: Doctor) -> int:
-    """Prints what was found, line by line as it is looked at; returns the exit code."""
+    """Prints each check as it is made; returns the exit code."""
     broken = False
     for finding in findings():
         mark = "ok" if finding.works else "BROKEN" if finding.needed else "missing"
@@ -61,7 +61,7 @@ def doctor(_: Doctor) -> int:
 
 
 def findings() -> Iterator[Finding]:
-    """Everything that is looked at, in order."""
+    """All checks, in order."""
     oldest = ".".join(map(str, _OLDEST))
     yield Finding("python", sys.version_info >= _OLDEST, platform.python_version(), f"install Python {oldest} or newer")
     yield from _packages()
@@ -110,7 +110,7 @@ def _numbers(text: str) -> list[int]:
 
 
 def _opengl(name: str, libraries: str) -> Finding:
-    """Whether a picture can be rendered, tried in a process of its own: a broken library may end it."""
+    """Whether a picture can be rendered, tried in a process of its own: a broken library may crash it."""
     chosen = os.environ.get("MUJOCO_GL", "egl")
     remedy = f"sudo apt-get install {libraries}"
     if name == chosen:
@@ -133,7 +133,7 @@ def _opengl(name: str, libraries: str) -> Finding:
 
 
 def _numba_cache() -> Finding:
-    """Whether compiled kernels can be kept: else every process compiles for half a minute."""
+    """Whether compiled kernels can be cached; without a cache, every process compiles for half a minute."""
     remedy = "export NUMBA_CACHE_DIR=$HOME/.cache/numba"
     try:
         from maskval.rendering import kernels  # noqa: PLC0415  # Numba takes a second

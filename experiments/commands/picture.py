@@ -1,4 +1,4 @@
-"""`graspcell picture`: what the cell looks like, from beside it or from the wrist."""
+"""`graspcell picture`: a picture of the cell, from beside it or from the wrist."""
 
 from pathlib import Path
 
@@ -32,7 +32,7 @@ def picture(config: Picture) -> int:
     spec = config.spec()
     writable_folder(config.out.parent)
     if config.out.is_dir():
-        raise UsageError(f"cannot write {config.out}: expected the name of a picture, got a folder")
+        raise UsageError(f"cannot write {config.out}: expected the path of a picture, got a folder")
     placed = 0
     cell = _build(spec)
 
@@ -49,7 +49,7 @@ def picture(config: Picture) -> int:
         _write(config.out, taken.image)
         print(f"picture in {config.out}")
         return 0
-    raise UsageError(f"the experiment never came to the state {config.state!r} after {config.after} parts")
+    raise UsageError(f"the experiment never reached the state {config.state!r} after {config.after} parts")
 
 
 def _build(spec: ExperimentSpec) -> SimCell:

@@ -1,4 +1,4 @@
-"""`graspcell run`: one experiment, told step by step."""
+"""`graspcell run`: one experiment, reported step by step."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,7 +49,7 @@ def run(config: Run) -> int:
 
 
 def lines(record: object, latest_truth: LatestTruth, vertices_O: NDArray[np.float64]) -> list[str]:
-    """What a record says to a person; errors against the truth are marked as such."""
+    """The lines printed for a record; errors against the truth are marked as such."""
     match record:
         case DecisionRecord():
             return _seen_lines(record, latest_truth, vertices_O)
@@ -66,7 +66,7 @@ def lines(record: object, latest_truth: LatestTruth, vertices_O: NDArray[np.floa
 
 
 def _is_second_thought(change: Transition) -> bool:
-    """Whether it is about a decision that was told already: what a second look taught, or why there is none."""
+    """Whether the decision was already printed: what a second look has changed, or why there is none."""
     return change.target is State.DECIDE and change.source is not State.LOOK
 
 

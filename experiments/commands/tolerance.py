@@ -56,7 +56,7 @@ def tolerance(config: Tolerance) -> int:
 
 
 def run_trial(trial: Trial) -> str:
-    """What the first attempt on the part came to; why there was none, if none was made in the part's time."""
+    """The outcome of the first attempt on the part, or why none was made in the part's time."""
     spec = trial.spec
     cell = kept_cell(*spec.cell)
     model = cell.world.part_model

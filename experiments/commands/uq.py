@@ -1,4 +1,4 @@
-"""`graspcell uq`: the uncertainty of every pose of a BOP submission, and what it is worth."""
+"""`graspcell uq`: the uncertainty of every pose of a BOP submission, and how good it is."""
 
 import math
 import sys
@@ -19,9 +19,9 @@ _HEADER = "scene_id,im_id,obj_id,score,mask,c,v,u"
 
 @dataclass(frozen=True)
 class Uq:
-    """Print MaskVal's uncertainty of every pose of a BOP submission, and what it is worth where true poses are known.
+    """Print MaskVal's uncertainty of every pose of a BOP submission, and how good it is if true poses are known.
 
-    Reads a data set in BOP's layout and nothing else: it works for any detector and pose estimator, without the cell.
+    Reads only a data set in BOP's layout: it works for any detector and pose estimator, without the cell.
     """
 
     dataset: Path
@@ -57,7 +57,7 @@ def uq(config: Uq) -> int:
     """Prints a line for each pose and then the summary; returns the exit code.
 
     Raises:
-        UsageError: an argument, or a file, that cannot be used.
+        UsageError: an invalid argument or file.
     """
     _check(config)
     with warnings.catch_warnings(record=True) as told:

@@ -101,9 +101,9 @@ class Dataset:
         methods = self.named_methods
         for option, chosen in (("--objects", self.objects), ("--methods", methods)):
             if not chosen:
-                raise UsageError(f"{option} is empty: expected at least one name")
+                raise UsageError(f"expected at least one name for {option}, got none")
         if len(set(methods)) < len(methods):
-            raise UsageError(f"--methods names something twice: {' '.join(methods)}")
+            raise UsageError(f"expected different names for --methods, got {' '.join(methods)}")
         try:
             names = [load_part(part).part.name for part in self.objects]
             for part in self.objects:
@@ -113,7 +113,7 @@ class Dataset:
         except SimError as error:
             raise UsageError(str(error)) from error
         if len(set(names)) < len(names):
-            raise UsageError(f"--objects names something twice: {' '.join(self.objects)}")
+            raise UsageError(f"expected different names for --objects, got {' '.join(self.objects)}")
         if self.figures:
             from experiments.dataset.figures import check_matplotlib
 

@@ -1,4 +1,4 @@
-"""Who sees and who decides: the options that name estimators and a policy, of the package or from elsewhere."""
+"""The options that name estimators and a policy, of the package or from elsewhere."""
 
 # ruff: noqa: PLC0415  # the engine is loaded when a job begins: --help does not wait for it, nor need OpenGL
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Actors:
-    """Who sees and who decides."""
+    """The estimators and the policy."""
 
     estimator: str = "noisy"
     """noisy: masks and poses with realistic errors; oracle: exact ones, the ceiling; replay: those of --recorded; or
@@ -28,8 +28,8 @@ class Actors:
     recorded: Path | None = None
     """Folder whose estimates --estimator replay repeats: written by compare or run, or BOP files."""
     gap: str = "none"
-    """Domain gap of the noisy estimates. none: errors as on rendered images; fitted: as the paper's robot without UQ
-    speaks for on real ones, another draw for every experiment; or a gap.json of graspcell gap."""
+    """Domain gap of the noisy estimates. none: errors as on rendered images; fitted: errors as on real ones, as
+    the paper's robot without UQ suggests, another draw for every experiment; or a gap.json of graspcell gap."""
     policy: Annotated[
         str | None,
         tyro.conf.arg(
@@ -41,7 +41,7 @@ class Actors:
     """Seconds of the wall clock that an estimator, a method or the policy has per call."""
 
     def check(self, part: str, method: str, thresholds: "Thresholds") -> None:
-        """Raises UsageError unless all of them exist, for a part and a method that do."""
+        """Raises UsageError unless all of them exist; part and method do."""
         from cell.layout import Layout
         from experiments.setup.estimators import check_estimator
         from experiments.setup.methods import known_method
@@ -58,7 +58,7 @@ class Actors:
         make_policy(self.policy, known_method(method, known, thresholds), known, Layout(), thresholds.refine)
 
     def noise(self, part: str, experiment: int) -> "ErrorModel":
-        """What an experiment changes in the error model of its part, which exists.
+        """The changes of an experiment to the error model of its part, which exists.
 
         Raises:
             UsageError: there is no such gap for the part.

@@ -1,4 +1,4 @@
-"""Checks of what a person sets on the command line; each failure is one line that says what is valid."""
+"""Checks of command line options; each failure is one line that says what is valid."""
 
 # ruff: noqa: PLC0415  # the engine is loaded when a job begins: --help does not wait for it, nor need OpenGL
 
@@ -17,7 +17,7 @@ _MOST = 2**31 - 1  # what the logs' columns hold
 
 
 def check_cell(parts: int, seed: int, speed: str) -> None:
-    """Raises UsageError unless the cell can be run like this."""
+    """Raises UsageError unless the cell can be run with these options."""
     from cell.layout import Container
     from cell.motion_limits import PRESETS
 
@@ -64,7 +64,7 @@ def one_of(name: str, value: str, valid: tuple[str, ...]) -> None:
 
 
 def writable_folder(folder: Path) -> Path:
-    """The folder, made if missing and tried out.
+    """The folder, made if missing and tested by writing.
 
     Raises:
         UsageError: it cannot be written to.

@@ -49,7 +49,7 @@ def load_ensemble(noise: str, rendered: PartNoise) -> list[dict[str, float]]:
 
 
 def error_model_of(part: str, gap: str, index: int, reach: Reach = BASE_REACH) -> ErrorModel:
-    """The index-th error model of a part: accepted sets and draws of the gap begin anew when they are over.
+    """The index-th error model of a part: accepted sets and draws of the gap are repeated in turn.
 
     Args:
         part: The part's name or file.
@@ -72,7 +72,7 @@ def _draws(part: str, gap: str) -> tuple[PartNoise, list[dict[str, float]], list
 
 
 def cycled(items: Sequence[Any], index: int) -> Any:
-    """The index-th of items that begin anew when they are over."""
+    """The index-th of items that are repeated in turn."""
     return items[index % len(items)]
 
 

@@ -1,4 +1,4 @@
-"""Which estimators see for the robot: the simulated ones, a recording, or ones from elsewhere."""
+"""The estimators of an experiment: the simulated ones, a recording, or ones from elsewhere."""
 
 from pathlib import Path
 
@@ -11,18 +11,18 @@ from sim.runtime.episode import Estimators
 
 SIMULATED: tuple[Kind, ...] = ("noisy", "oracle")
 KNOWN = (*SIMULATED, "replay")
-_NETWORK = ("inference_time", "images")  # what every network says of itself
+_NETWORK = ("inference_time", "images")  # what every network states
 
 
 def check_estimator(name: str, recorded: Path | None) -> None:
-    """Raises UsageError unless there is such an estimator, and a recording if and only if it is one to be replayed."""
+    """Raises UsageError unless there is such an estimator, and a recording if and only if it is replayed."""
     chosen("--estimator", name, dict.fromkeys(KNOWN))
     if name == "replay" and recorded is None:
-        raise UsageError("--estimator replay: expected --recorded FOLDER as well, the output of compare or run")
+        raise UsageError("--estimator replay: expected --recorded FOLDER, the output of compare or run, got none")
     if recorded is not None and name != "replay":
         raise UsageError(f"--recorded {recorded} is only for --estimator replay, got --estimator {name}")
     if recorded is not None and not recorded.is_dir():
-        raise UsageError(f"--recorded {recorded}: there is no such folder")
+        raise UsageError(f"expected --recorded to be an existing folder, got {recorded}")
 
 
 def check_not_recorded(out: Path, recorded: Path | None) -> None:
@@ -43,15 +43,15 @@ def choose_estimators(
         setup: what estimators from elsewhere are made with.
         recorded: the folder of a recording.
         method: name of the method whose experiment is replayed.
-        time_limit: s of the wall clock that the making may take.
+        time_limit: s of the wall clock that making them may take.
 
     Raises:
-        UsageError: they cannot be made, take too long, or lack what is asked of them.
+        UsageError: they cannot be made, take too long, or lack required members.
     """
     if name in SIMULATED:
         return name
     if name == "replay":
-        assert recorded is not None  # `check_estimator` has seen to it
+        assert recorded is not None  # `check_estimator` has made sure
         recording = load_recording(recorded, setup, method)
         return recording, recording.networks
     factory = chosen("--estimator", name, {})

@@ -73,7 +73,7 @@ class ExperimentSpec:
 
     @property
     def cell(self) -> tuple[str, int, Conditions, bool]:
-        """What the cell is built from."""
+        """What the cell depends on."""
         return self.part, self.parts, self.conditions, self.maker_meshes
 
 

@@ -1,4 +1,4 @@
-"""The methods under comparison: an uncertainty and the policy that acts upon it, by name."""
+"""The methods under comparison: an uncertainty and the policy that uses it, by name."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -18,13 +18,13 @@ from sim.networks.random_streams import Streams
 
 @dataclass(frozen=True, slots=True)
 class Context:
-    """What an uncertainty may be made from, anew for every experiment.
+    """What an uncertainty may be made from; each experiment makes a new one.
 
     Attributes:
         part: the kind of part that is looked for.
         thresholds: of all methods.
         streams: the root of the experiment's random numbers.
-        latest_truth: where the truth is; for the oracles only.
+        latest_truth: holds the truth; for the oracles only.
     """
 
     part: Part
@@ -35,7 +35,7 @@ class Context:
 
 @dataclass(frozen=True, slots=True)
 class Method:
-    """What decides in one experiment."""
+    """The uncertainty and the policy of one experiment."""
 
     uncertainty: UncertaintyMethod
     policy: Policy
@@ -56,7 +56,7 @@ def _regardless(make: Callable[[], UncertaintyMethod]) -> Callable[[Context], Un
     return lambda _: make()
 
 
-# Of the library's, Ensemble-ADD alone is made from the experiment: its scale begins where the thresholds say.
+# Only Ensemble-ADD depends on the experiment: the thresholds say where its scale begins.
 METHODS: dict[str, Callable[[Context], UncertaintyMethod]] = {
     **{name: _regardless(make) for name, make in maskval.METHODS.items()},
     "ensemble-add": _ensemble_add,
@@ -74,7 +74,7 @@ def named_methods(names: Sequence[str]) -> tuple[str, ...]:
 
 
 def make_uncertainty(name: str, context: Context) -> UncertaintyMethod:
-    """The uncertainty of this name, or what the class `package.module:Class` gives without arguments.
+    """The uncertainty of this name, or an object of the class `package.module:Class`, made without arguments.
 
     Raises:
         UsageError: there is none, or it cannot be made.
@@ -105,7 +105,7 @@ def make_method(name: str, context: Context) -> Method:
 
 
 def known_method(name: str, part: Part, thresholds: Thresholds) -> Method:
-    """The method outside of an experiment: to see whether there is one, and what it needs.
+    """The method outside of an experiment, to check that it exists and what it needs.
 
     Raises:
         UsageError: see `make_method`.
@@ -114,6 +114,6 @@ def known_method(name: str, part: Part, thresholds: Thresholds) -> Method:
 
 
 def own_threshold(uncertainty: UncertaintyMethod) -> float | None:
-    """The u_t,g that a method brings along as its attribute `u_grasp`, where none was derived."""
+    """A method's own u_t,g, its attribute `u_grasp`; used if none was derived."""
     u_grasp: float | None = getattr(uncertainty, "u_grasp", None)
     return u_grasp

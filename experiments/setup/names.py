@@ -1,4 +1,4 @@
-"""Names for help texts, without what they stand for: `--help` does not wait for it. A test holds both together."""
+"""Names for help texts, without loading what they name: `--help` does not wait. A test compares both."""
 
 from maskval import METHODS as _OF_THE_LIBRARY
 

@@ -14,7 +14,7 @@ T = TypeVar("T")
 
 
 def chosen(option: str, name: str, known: Mapping[str, T]) -> T | Callable[..., Any]:
-    """What a name stands for in a dict; of a name with a colon that is not in it, the object that it refers to.
+    """The entry of a dict with this name; for another name with a colon, the object that it refers to.
 
     Args:
         option: the option of the command line, for the message: --policy.
@@ -22,7 +22,7 @@ def chosen(option: str, name: str, known: Mapping[str, T]) -> T | Callable[..., 
         known: the names that exist already; they take precedence.
 
     Raises:
-        UsageError: neither.
+        UsageError: neither exists.
     """
     if name in known:
         return known[name]
@@ -47,7 +47,7 @@ def load_object(reference: str) -> Callable[..., Any]:
         raise UsageError(f"{reference}: {module_name} has no {name}; it has {', '.join(own) or 'nothing of its own'}")
     found = getattr(module, name)
     if not callable(found):
-        raise UsageError(f"{reference}: expected a class, or a function that makes one's object, got {found!r}")
+        raise UsageError(f"{reference}: expected a class, or a function that makes an object, got {found!r}")
     return found  # type: ignore[no-any-return]
 
 
@@ -58,14 +58,14 @@ def make_object(
     *arguments: object,
     time_limit: float = TIME_LIMIT,
 ) -> Any:
-    """What a factory makes of the arguments, if it has the members that a protocol asks for.
+    """What a factory makes of the arguments, if it has the members that a protocol requires.
 
     Args:
         reference: the factory's name, for the message.
         factory: a class or function, see `load_object`.
         members: names of the attributes and methods that the object must have.
         arguments: what the factory is called with.
-        time_limit: s of the wall clock that the making may take.
+        time_limit: s of the wall clock that making it may take.
 
     Raises:
         UsageError: the factory raises or takes too long, or members are missing.
@@ -81,7 +81,7 @@ def make_object(
 
 
 def check_members(what: str, made: object, members: Sequence[str]) -> None:
-    """Raises UsageError unless an object has all members that a protocol asks for; `what` it is, is for the message."""
+    """Raises UsageError unless an object has all members that a protocol requires; `what` names it in the message."""
     lacks = [member for member in members if not hasattr(made, member)]
     if lacks:
         raise UsageError(
@@ -100,7 +100,7 @@ def _import(name: str, reference: str) -> ModuleType:
         if error.name is not None and f"{name}.".startswith(f"{error.name}."):
             raise UsageError(f"{reference}: no module {error.name}, neither installed nor in {here}") from error
         raise UsageError(f"{reference}: importing {name} raised {describe_error(error)}") from error
-    except SyntaxError as error:  # names its place itself
+    except SyntaxError as error:  # it names its place itself
         raise UsageError(f"{reference}: importing {name} raised SyntaxError: {error}") from error
     except (Exception, SystemExit) as error:
         raise UsageError(f"{reference}: importing {name} raised {describe_error(error)}") from error

@@ -1,4 +1,4 @@
-"""Which policy decides in an experiment: the method's own, one of the package's, or one from elsewhere."""
+"""The policy of an experiment: the method's own, one of the package's, or one from elsewhere."""
 
 from cell.interfaces import Policy
 from cell.layout import Layout
@@ -10,16 +10,16 @@ from policies import POLICIES, ThresholdPolicy
 
 
 def policy_name(name: str | None, method: str) -> str:
-    """The name under which a policy is written down; None stands for the own one of the method of this name."""
+    """The policy's name in the logs; None stands for the method's own policy."""
     return name or ("always" if method == "none" else "threshold")
 
 
 def make_policy(name: str | None, method: Method, part: Part, layout: Layout, refine: float) -> Policy:
-    """A fresh policy, that remembers nothing.
+    """A new policy, which remembers nothing.
 
     Args:
         name: a key of `POLICIES`, `package.module:Class`, or None for the method's own.
-        method: whose uncertainties it acts upon.
+        method: whose uncertainties it uses.
         part: the kind of part.
         layout: the cell.
         refine: u_t,r of a method without thresholds.

@@ -21,7 +21,7 @@ def run_all(job: Callable[[Task], Result], tasks: Sequence[Task], jobs: int) -> 
     Args:
         job: a module's function, so that other processes can import it.
         tasks: what to call it with.
-        jobs: worker processes; 1 runs in this one.
+        jobs: worker processes; 1 runs in this process.
 
     Raises:
         BrokenProcessPool: a worker died, for example without memory.
@@ -35,7 +35,7 @@ Run = Callable[[Callable[[Any], Any], Sequence[Any]], Iterator[Any]]  # of a job
 
 @contextmanager
 def workers(jobs: int) -> Iterator[Run]:
-    """Processes that stay for several rounds of tasks, so that what a job keeps is still there; 1 runs in this one."""
+    """Processes that stay for several rounds of tasks, with what a job keeps in memory; 1 runs in this process."""
     if jobs <= 1:
         yield map
         return
@@ -52,7 +52,7 @@ def workers(jobs: int) -> Iterator[Run]:
     try:
         yield run
     except BaseException:
-        # Nothing is cancelled: Python 3.11's pool trips over cancelled tasks when its workers end.
+        # Nothing is cancelled: Python 3.11's pool fails on cancelled tasks when its workers end.
         for worker in set(multiprocessing.active_children()) - before:
             worker.terminate()
         raise
@@ -61,7 +61,7 @@ def workers(jobs: int) -> Iterator[Run]:
 
 
 def _end_with_parent() -> None:
-    """Ends this process when the one that began it is gone, however that ended: else it would work on for nobody."""
+    """Ends this process when its parent has ended, for whatever reason; otherwise it would go on without use."""
     parent = multiprocessing.parent_process()
     if parent is not None:
         sentinel = parent.sentinel
@@ -70,7 +70,7 @@ def _end_with_parent() -> None:
 
 @contextmanager
 def _interrupts_ignored() -> Iterator[None]:
-    """Processes started meanwhile never hear Ctrl-C, which a terminal sends to all: ending them is the parent's job."""
+    """Processes started meanwhile ignore Ctrl-C, which a terminal sends to all: the parent ends them."""
     previous = signal.signal(signal.SIGINT, signal.SIG_IGN)
     try:
         yield

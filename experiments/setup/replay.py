@@ -1,4 +1,4 @@
-"""Plays recorded estimates back, frame by frame: an experiment as it was, or what networks said elsewhere."""
+"""Plays recorded estimates back, frame by frame: those of an earlier experiment, or of networks run elsewhere."""
 
 from collections import defaultdict
 from collections.abc import Iterable, Sequence
@@ -33,14 +33,14 @@ class Recorded:
 
 
 class Recording:
-    """Implements `cell.interfaces.MaskEstimator`, with pose networks in `networks`: what was estimated at the time.
+    """Implements `cell.interfaces.MaskEstimator`, with pose networks in `networks`: the recorded estimates.
 
     Args:
         name: where it comes from, for messages.
         frames: by the index of the frame.
         inference_time: s that detector and networks took together.
         networks: how many pose networks there were.
-        unseen: what a frame shows that is not in it; None where there can be none.
+        unseen: the estimates for a frame that is not recorded; None if every frame must be.
     """
 
     images: frozenset[Image] = frozenset()
@@ -64,7 +64,7 @@ class Recording:
         """The detections recorded of a frame, each with its poses.
 
         Raises:
-            LookupError: the frame was not recorded, or from elsewhere.
+            LookupError: the frame was not recorded, or from another view.
         """
         recorded = self._frames.get(frame.index, self._unseen)
         if recorded is None:
@@ -73,14 +73,14 @@ class Recording:
             shift = mdd(frame.X_BC, recorded.X_BC, np.vstack([np.zeros(3), np.eye(3)]))
             if shift > _ELSEWHERE:
                 raise LookupError(
-                    f"{self._name}: frame {frame.index} was recorded from another view than the present one; "
+                    f"{self._name}: frame {frame.index} was recorded from another view; "
                     "expected the same seed, method, policy, thresholds and speed"
                 )
         return recorded.entries
 
 
 class _Network:
-    """Implements `cell.interfaces.PoseEstimator`; its time is charged with the detector's."""
+    """Implements `cell.interfaces.PoseEstimator`; the detector's time includes its own."""
 
     images: frozenset[Image] = frozenset()
     inference_time = 0.0
@@ -159,7 +159,7 @@ def _of_bop(folder: Path, setup: EstimatorSetup) -> Recording:
 
 
 def _by_image(rows: Iterable[Row], scene: int) -> dict[int, list[Row]]:
-    """The rows of one scene by image, in the order of the file; BOP's files leave out images without any."""
+    """The rows of one scene by image, in the order of the file; BOP's files leave out images without rows."""
     images: dict[int, list[Row]] = defaultdict(list)
     for row in rows:
         if row.scene_id == scene:

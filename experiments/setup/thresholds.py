@@ -15,7 +15,7 @@ from maskval.methods.ensemble import ENSEMBLE_MAXIMUM_M
 _PRESETS = files("experiments") / "presets"
 _FORM = (
     "expected refine = u, [grasp.OBJECT] with METHOD = u, [ensemble_add_minimum_m] with OBJECT = m, "
-    "and if there are such, [least_error.OBJECT] with METHOD = u"
+    "and optionally [least_error.OBJECT] with METHOD = u"
 )
 
 
@@ -29,7 +29,7 @@ class Thresholds:
         grasp: u_t,g by object, then by method.
         ensemble_add_minimum: m by object, where Ensemble-ADD's scale begins.
         least_error: u_t,g by object and method where none reaches the demanded AP: the u of the fewest errors.
-        told: u_t,g by method, of all objects; goes before all others.
+        told: u_t,g by method, for all objects; takes precedence.
     """
 
     source: str
@@ -65,7 +65,7 @@ class Thresholds:
         )
 
     def caveat(self, part: str, method: str) -> str | None:
-        """What has to be said of an object's and method's u_t,g; None if it is told, or reaches the demanded AP."""
+        """A caveat about an object's and method's u_t,g; None if it was given, or reaches the demanded AP."""
         if method in self.told or method in self.grasp.get(part, {}):
             return None
         if method in self.least_error.get(part, {}):
@@ -73,10 +73,10 @@ class Thresholds:
         return f"the thresholds {self.source} have none; it is the method's own"
 
     def with_told(self, options: Sequence[str], methods: Sequence[str]) -> Self:
-        """These thresholds, but for what options METHOD=U say.
+        """These thresholds, with those that options METHOD=U give.
 
         Raises:
-            UsageError: an option is malformed, or about a method that is not used.
+            UsageError: an option is malformed, or names a method that is not used.
         """
         told = {}
         for option in options:
@@ -123,7 +123,7 @@ def load_thresholds(name_or_file: str) -> Thresholds:
     except KeyError as missing:
         raise UsageError(f"thresholds {name_or_file}: the key {missing} is missing; {_FORM}") from missing
     except (tomllib.TOMLDecodeError, AttributeError, ValueError) as error:
-        what = "a table is no table" if isinstance(error, AttributeError) else error
+        what = "expected a table, got a value" if isinstance(error, AttributeError) else error
         raise UsageError(f"thresholds {name_or_file}: {what}; {_FORM}") from error
 
 

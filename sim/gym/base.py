@@ -21,14 +21,14 @@ from sim.runtime.episode import Episode, SimCell, begin_episode, build_cell
 from sim.runtime.viewer import Window, has_display
 
 Action = TypeVar("Action")
-TIME_LIMIT = 3600.0  # s of the wall clock per question to a network or method: learners keep machines busy for hours
+TIME_LIMIT = 3600.0  # s of the wall clock per call of a network or method: learning keeps machines busy for hours
 
 Info = dict[str, Any]
 Step = tuple[Encoded, SupportsFloat, bool, bool, Info]
 
 
 class CellEnv(gymnasium.Env[Encoded, Action], Generic[Action]):
-    """An episode is one experiment: parts on the belt, each with its slot of time.
+    """An episode is one experiment: parts on the belt, each with its time slot.
 
     `reset(seed=s)` begins experiment 0 of seed s, every `reset()` after it the next one: the same parts in the same
     poses, seen with the same errors, as `graspcell compare --seed s` has. `reset(options={"noise": …})` changes
@@ -45,9 +45,9 @@ class CellEnv(gymnasium.Env[Encoded, Action], Generic[Action]):
         if render_mode not in (None, "human", "rgb_array"):
             raise EnvOptionError(f"unknown render_mode {render_mode!r}: expected None, human or rgb_array")
         self.render_mode, self._render_size = render_mode, render_size
-        if not has_display():  # what can be asked for here
+        if not has_display():  # what can be chosen here
             self.metadata = {**self.metadata, "render_modes": ["rgb_array"]}
-        load_part(self.options.part)  # an unknown one is refused here, not at the first reset
+        load_part(self.options.part)  # an unknown one is an error here, not at the first reset
         self._encoder = DetectionEncoder(self.options, Layout().camera)
         self._seed: int | None = None
         self._experiment = 0
@@ -102,7 +102,7 @@ class CellEnv(gymnasium.Env[Encoded, Action], Generic[Action]):
             gymnasium.error.ResetNeeded: there is no world before the first reset.
         """
         if self._cell is None:
-            raise gymnasium.error.ResetNeeded("there is nothing to render before the first reset")
+            raise gymnasium.error.ResetNeeded("nothing to render before the first reset: call reset first")
         world = self._cell.world
         if self.render_mode != "rgb_array":
             return None
@@ -112,7 +112,7 @@ class CellEnv(gymnasium.Env[Encoded, Action], Generic[Action]):
         return self._overview.rgb(world.data, "overview")
 
     def close(self) -> None:
-        """Gives window and OpenGL contexts back; a reset builds them anew."""
+        """Releases window and OpenGL contexts; a reset creates new ones."""
         for held in (self._window, self._overview, self._cell.renderer if self._cell else None):
             if held is not None:
                 held.close()
@@ -135,7 +135,7 @@ class CellEnv(gymnasium.Env[Encoded, Action], Generic[Action]):
 
 
 def event(outcome: Outcome | None, slot: int, time: float) -> Info:
-    """What `info["events"]` tells of an outcome, None for a slot's time-out."""
+    """What `info["events"]` says of an outcome, None for a slot's time-out."""
     return {"outcome": "time-out" if outcome is None else outcome.value, "slot": slot, "time": time}
 
 

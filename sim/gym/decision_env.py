@@ -17,7 +17,7 @@ from sim.errors import DivergenceError
 from sim.gym.base import CellEnv, Info, Step, event
 from sim.gym.observation import Encoded, box
 
-SEARCH = 0  # the action that goes on with the search run
+SEARCH = 0  # the action that continues the search
 
 
 class GraspCellEnv(CellEnv[np.int64]):
@@ -75,12 +75,12 @@ class GraspCellEnv(CellEnv[np.int64]):
         return self._encoded(), self._info([])
 
     def step(self, action: np.int64) -> Step:
-        """Does what was decided, up to the next observation; an action that the mask rules out searches on.
+        """Carries out the action, up to the next observation; an action that the mask rules out searches on.
 
         Raises:
             gymnasium.error.ResetNeeded: the episode is over or has not begun.
-            gymnasium.error.InvalidAction: the action is none of the space.
-            EstimatorError: an uncertainty method of one's own fails.
+            gymnasium.error.InvalidAction: the action is not in the space.
+            EstimatorError: an uncertainty method of the user's own fails.
         """
         if self._decisions is None or self._seen is None:
             raise gymnasium.error.ResetNeeded("the episode is over or has not begun: call reset first")
@@ -103,7 +103,7 @@ class GraspCellEnv(CellEnv[np.int64]):
         return self._encoded(), reward, "count" in outcome, "failure" in outcome, info
 
     def action_masks(self) -> NDArray[np.bool_]:
-        """Which actions are valid now, (1 + 2 N,): the search always, others on detections that are there."""
+        """Which actions are valid now, (1 + 2 N,): the search always, others on detections that exist."""
         n = self.options.max_detections
         masks = np.zeros((3, n), dtype=bool)
         if self._seen is not None:
@@ -147,7 +147,7 @@ class GraspCellEnv(CellEnv[np.int64]):
 
 
 def _is_told(record: AttemptRecord | TimeSlot) -> bool:
-    """Whether a record is an event of its own: an attempt that ends a slot is told by the slot."""
+    """Whether a record is an event of its own: an attempt that ends a slot is reported by the slot."""
     if isinstance(record, TimeSlot):
         return True
     return not (record.outcome.is_true_positive or record.outcome.is_false_positive)

@@ -1,4 +1,4 @@
-"""The cell as a Gymnasium environment for those who learn motions: the tool's velocity and the jaws at 20 Hz."""
+"""The cell as a Gymnasium environment to learn motions: the tool's velocity and the jaws at 20 Hz."""
 
 from dataclasses import dataclass, field
 from typing import Any
@@ -22,14 +22,14 @@ MAX_HALF_OPENING = 0.1  # m, above any gripper's
 
 @dataclass(slots=True, eq=False)
 class _Progress:
-    """What one experiment has come to."""
+    """The state of one experiment."""
 
     episode: Episode
     controller: VelocityController
-    shown: Observation  # what the networks made of the newest picture that shows a part
+    shown: Observation  # the networks' estimates of the newest picture that shows a part
     encoded: Encoded
-    coming: Observation  # what they will have made of the newest one
-    due: float  # s, when they will
+    coming: Observation  # those of the newest picture, which they still work on
+    due: float  # s, when these are ready
     outcomes: list[Outcome | None] = field(default_factory=list)  # of the slots that are over
     voids: int = 0
     container_slot: int = 0
@@ -78,7 +78,7 @@ class GraspCellMotionEnv(CellEnv[NDArray[np.float32]]):
 
         Raises:
             gymnasium.error.ResetNeeded: the episode is over or has not begun.
-            gymnasium.error.InvalidAction: the action is none of the space.
+            gymnasium.error.InvalidAction: the action is not in the space.
         """
         progress = self._progress
         if progress is None or progress.over:
@@ -122,7 +122,7 @@ class GraspCellMotionEnv(CellEnv[NDArray[np.float32]]):
         return ends
 
     def _look(self, progress: _Progress) -> None:
-        """When the networks are done with a picture, it is shown and the next one taken; the arm moves on."""
+        """When the networks have finished a picture, it is shown and the next one is taken; the arm moves on."""
         station, perception = progress.episode.station, progress.episode.perception
         if station.time < progress.due:
             return

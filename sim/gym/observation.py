@@ -1,4 +1,4 @@
-"""What a learner sees of the detections: arrays of a fixed size, padded with zeros, without any truth."""
+"""How a learner observes the detections: arrays of a fixed size, padded with zeros, without any truth."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
@@ -24,8 +24,8 @@ DEPTH_RANGE = 10.0  # m; the floor is 1.5 m from the highest view
 class DetectionEncoder:
     """Per detection, in the order of the detector's scores: one row of each entry of the space, flattened.
 
-    Flat, because learning libraries take arrays of one dimension or images; `reshape(max_detections, -1)` gives the
-    rows back.
+    They are flat, because learning libraries take arrays of one dimension or images; `reshape(max_detections, -1)`
+    restores the rows.
     """
 
     def __init__(self, options: EnvOptions, camera: Camera) -> None:
@@ -93,7 +93,7 @@ class DetectionEncoder:
         return values | self._pictures(observation, masks)
 
     def _visibility(self, perception: Perception, X_CO_est: Pose) -> float:
-        """The share of the estimated part's silhouette that lies in the image; what hides it is not known."""
+        """The share of the estimated part's silhouette that lies in the image; occlusion is not known."""
         return silhouette(perception.part.mesh, X_CO_est, self._camera, pixel_center=PIXEL_CENTER).visibility
 
     def _pictures(self, observation: Observation, masks: list[NDArray[np.bool_]]) -> Encoded:
@@ -113,7 +113,7 @@ class DetectionEncoder:
 def _uncertainties(
     observation: Observation, perception: Perception, methods: Mapping[str, UncertaintyMethod]
 ) -> dict[str, Array]:
-    """The u of all detections by method; the first method has been asked by the perception."""
+    """The u of all detections by method; the perception has already called the first method."""
     first, *others = methods
     seen = observation.frame, observation.detections, observation.poses
     asked = {name: replace(perception, method=methods[name]).uncertainties(*seen) for name in others}
@@ -121,7 +121,7 @@ def _uncertainties(
 
 
 class AllMethods:
-    """Implements `maskval.UncertaintyMethod` with the first of several, and has taken and run what any needs."""
+    """Implements `maskval.UncertaintyMethod` with the first of several; it needs what any of them needs."""
 
     def __init__(self, methods: dict[str, UncertaintyMethod]) -> None:
         self._first = next(iter(methods.values()))

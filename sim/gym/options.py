@@ -1,4 +1,4 @@
-"""What the learning environments may be told. No engine needed to set it."""
+"""The options of the learning environments. Setting them needs no engine."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, fields
@@ -37,7 +37,7 @@ class Rewards:
                 raise EnvOptionError(f"expected a finite reward {entry.name}, got {getattr(self, entry.name)}")
 
     def of(self, ends: Iterable[Outcome | None], seconds: float) -> float:
-        """What slots that ended so, None for a time-out, and the time that went by are worth."""
+        """The reward of slots with these outcomes, None for a time-out, and of the time that has passed."""
         outcomes = [outcome for outcome in ends if outcome is not None]
         return (
             self.second * seconds
@@ -52,14 +52,14 @@ class EnvOptions:
 
     Attributes:
         part: name or TOML file of the part.
-        n_parts: how many lie on the belt, 1 to 8; each has one slot of time.
+        n_parts: how many lie on the belt, 1 to 8; each has one time slot.
         slot_time: s per part.
-        methods: names out of `maskval.METHODS`, or uncertainty methods by a name of one's own.
+        methods: names in `maskval.METHODS`, or uncertainty methods by names of the user's own.
         estimator: "noisy" or "oracle".
         speed: name of the speed preset.
         conditions: what disturbs the cell.
         rewards: the weights of the reward.
-        max_detections: how many detections an observation has room for; those of the best scores are in it.
+        max_detections: how many detections an observation has room for; it holds those of the best scores.
         images: "rgb", "depth" and "masks", whichever an observation holds.
         truth: whether `info` holds the truth.
     """
@@ -92,7 +92,7 @@ class EnvOptions:
         _chosen("speed", (self.speed,), tuple(PRESETS))
 
     def make_methods(self) -> dict[str, UncertaintyMethod]:
-        """The methods by name, those of the library new; the first one's u is the one that the controller logs."""
+        """The methods by name, new ones for those of the library; the controller logs the first one's u."""
         if isinstance(self.methods, Mapping):
             return dict(self.methods)
         return {name: METHODS[name]() for name in self.methods}

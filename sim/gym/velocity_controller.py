@@ -1,4 +1,4 @@
-"""From tool velocities to joint motions, step by step; the jaws tell when an attempt is over."""
+"""From tool velocities to joint motions, step by step; the jaws show when an attempt is over."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,7 +40,7 @@ class VelocityController:
 
         Args:
             action: shares in [−1, 1] of the largest linear (3) and angular (3) speeds along B's axes, and of the jaws'
-                way from gripping (−1) to open (1), (7,).
+                range from gripping (−1) to open (1), (7,).
 
         Returns:
             Whether the arm stands still because it cannot go there, and the contact that stopped it.
@@ -68,7 +68,7 @@ class VelocityController:
         self._has_gripped = False
 
     def _joint_speeds(self, v_B: Array, w_B: Array) -> Array | None:
-        """Joint speeds that move the tool so, (6,) rad/s, all slowed down to the arm's limits; None out of reach."""
+        """Joint speeds for this tool velocity, (6,) rad/s, scaled down to the arm's limits; None out of reach."""
         X_BT = forward(self._q) @ self._gripper.X_FT
         rotation = Pose.from_rotvec(w_B * STEP_TIME).rotation @ X_BT.rotation
         moved = Pose(rotation, X_BT.translation + v_B * STEP_TIME)
@@ -80,12 +80,12 @@ class VelocityController:
         return slowed
 
     def _watch(self) -> frozenset[Touch]:
-        """Parts may be touched, and the container not be pressed with one, while and just after the jaws close."""
+        """While and just after the jaws close, parts may be touched, but none may be pressed against the container."""
         gripping = self._station.time < self._gripped_until + RELEASE_TIME
         return HOLDING | {Touch.PRESSED} if gripping else EVERYTHING
 
     def _notice(self, jaws: float) -> None:
-        """Takes note of whether the jaws close or hold."""
+        """Notes whether the jaws close or hold."""
         now = self._station.time
         if jaws >= self._station.jaw_half_opening - PRESSING:
             self._gripping_since = None

@@ -1,7 +1,7 @@
-"""Test images without pictures: what each pixel would show of several parts among clutter, by geometry alone.
+"""Test images without pictures: what each pixel would show of several parts among clutter, from geometry alone.
 
 Parts and clutter float at random poses in front of the camera, their middles inside the image: the nearer one hides the
-farther one, and the image's border cuts off what lies beyond. Bodies may pass through each other; only what is seen
+farther one, and the image's border cuts off what lies beyond. Bodies may overlap; only what is seen
 counts. An image is a function of the streams' seed, experiment (its number) and kind of part.
 """
 
@@ -111,7 +111,7 @@ def draw_nearest(bodies: Sequence[Body], camera: Camera) -> tuple[NDArray[np.int
 
 @cache
 def clutter_shapes() -> tuple[Mesh, ...]:
-    """What stands in the way: boxes, rods, discs and balls of the parts' size and smaller."""
+    """Clutter: boxes, rods, discs and balls of the parts' size and smaller."""
     boxes = [trimesh.creation.box(size) for size in ((0.14, 0.09, 0.05), (0.20, 0.03, 0.03), (0.06, 0.06, 0.06))]
     round_ones = [trimesh.creation.cylinder(r, height, sections=24) for r, height in ((0.015, 0.20), (0.05, 0.03))]
     balls = [trimesh.creation.icosphere(subdivisions=2, radius=radius) for radius in (0.025, 0.045)]

@@ -1,4 +1,4 @@
-"""Parts and clutter dropped onto a floor: physics decides how they come to lie."""
+"""Parts and clutter dropped onto a floor: physics decides how they lie."""
 
 import math
 from collections.abc import Sequence
@@ -18,7 +18,7 @@ from sim.model.parts import PartModel
 TIME_STEP = 0.002  # s
 AT_REST = 0.005  # m/s: no point of a body 0.1 m from its middle moves faster
 _LONGEST_FALL = 4.0  # s, then another heap is tried
-_LOOK = 0.1  # s between looks whether all lies still
+_LOOK = 0.1  # s between checks whether everything is at rest
 _TRIES = 20
 _CLUTTER_DENSITY = 500.0  # kg/m³, wood's
 _ROLLING = (0.6, 0.01, 0.004)  # friction of clutter, m where it has a unit: what is round stops rolling
@@ -120,7 +120,7 @@ def settle(model: mujoco.MjModel, X_WO: Sequence[Pose]) -> list[Pose] | None:
 
 
 def _above(shapes: Sequence[Mesh], radius: float, rng: np.random.Generator) -> list[Pose]:
-    """A pose for each body, of uniform rotation: as low as the balls around the bodies before it let its ball be."""
+    """A pose for each body, of uniform rotation: as low as its bounding ball fits above the earlier ones."""
     balls = np.empty((len(shapes), 4))  # x, y, z, radius
     poses: list[tuple[int, Pose]] = []
     for index in rng.permutation(len(shapes)):

@@ -1,4 +1,4 @@
-"""Takes pictures of still bodies, with surfaces and lights of their own. The world is the camera's frame C."""
+"""Renders pictures of still bodies with their own surfaces and lights. The world frame is the camera's frame C."""
 
 from collections.abc import Sequence
 from contextlib import closing
@@ -30,7 +30,7 @@ class Surface:
 
     Attributes:
         picture: (H, W, 3), wrapped around bodies and laid on walls; (6 H, H, 3) for a body: a square for each side.
-        specular: share of the lights that shines, in [0, 1].
+        specular: share of the light in highlights, in [0, 1].
         shininess: how small the highlights are, in [0, 1].
     """
 
@@ -41,7 +41,7 @@ class Surface:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SurfacedBody:
-    """Something to be seen: its shape, X_CO, number (the part's, or `NO_INSTANCE`) and surface."""
+    """A visible body: its shape, X_CO, number (the part's, or `NO_INSTANCE`) and surface."""
 
     mesh: Mesh
     X_CO: Pose
@@ -71,7 +71,7 @@ class Light:
     Attributes:
         direction_C: where its light goes, (3,).
         color: (3,), 1 lights a white surface fully.
-        position_C: (3,) m, or None.
+        position_C: where the spot is, (3,) m, or None.
         shadow: whether bodies throw shadows.
     """
 
@@ -104,10 +104,10 @@ def photograph(
     """A picture of bodies and walls under these lights.
 
     Args:
-        bodies: what there is.
-        walls: what is around it.
+        bodies: the bodies.
+        walls: the walls around them.
         lights: the lamps.
-        ambient: the light that is everywhere, in [0, 1].
+        ambient: the ambient light, in [0, 1].
         camera: intrinsics and image size.
 
     Raises:

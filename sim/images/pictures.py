@@ -1,4 +1,4 @@
-"""Pictures of parts with their truth: a settled heap in a room (S1), or parts pasted over a background (S2)."""
+"""Pictures of parts with ground truth: a settled heap in a room (S1), or parts pasted over a background (S2)."""
 
 import math
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ from sim.networks.random_streams import Streams
 HEAP = Recipe(parts=(2, 7), clutter=(4, 12))  # denser than what is scattered in the air, for occlusion
 _HEAP_RADIUS = (0.05, 0.30)  # m
 _ELEVATION_DEG = (25.0, 90.0)  # of the camera's axis over the floor
-_MARGIN = 0.2  # of the image, within which the part that is aimed at does not have its middle
+_MARGIN = 0.2  # of the image at each border, where the middle of the part aimed at does not lie
 _LOWEST_CAMERA, _NEAREST_BODY = 0.15, 0.25  # m: the camera stands in nothing
 _ROOM_HALF_SIZE = (1.6, 2.4)  # m
 
@@ -46,7 +46,7 @@ class LabelledPicture:
 
 
 def heap_picture(model: PartModel, camera: Camera, streams: Streams, textured: float) -> LabelledPicture:
-    """S1: parts and clutter that fell onto the floor of a room, seen from around them.
+    """S1: parts and clutter that fell onto the floor of a room, seen from random directions.
 
     Args:
         model: the kind of part.
@@ -100,7 +100,7 @@ _TOWARDS_CAMERA = Pose.from_rotvec((math.radians(120.0), 0.0, 0.0), (0.0, 0.0, 0
 
 
 def paste(photo: Photograph, behind: Picture, blur_px: float) -> NDArray[np.float32]:
-    """The photograph over another picture, (H, W, 3) in [0, 255], their border blurred.
+    """The photograph pasted over another picture, (H, W, 3) in [0, 255], with a blurred border.
 
     Args:
         photo: what is in front.
@@ -114,7 +114,7 @@ def paste(photo: Photograph, behind: Picture, blur_px: float) -> NDArray[np.floa
 
 
 def expose(rgb: NDArray[np.float32], rng: np.random.Generator) -> Picture:
-    """What a sensor makes of it, (H, W, 3): a little blur, gain, tint and noise."""
+    """The picture as a sensor gives it, (H, W, 3): a little blur, gain, tint and noise."""
     blurred = cv2.GaussianBlur(rgb, (0, 0), rng.uniform(0.2, 0.7))
     gain = rng.uniform(0.8, 1.25) * rng.uniform(0.95, 1.05, 3)
     noise = rng.standard_normal(rgb.shape, dtype=np.float32) * np.float32(rng.uniform(0.5, 4.0))

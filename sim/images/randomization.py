@@ -1,4 +1,4 @@
-"""What surrounds parts in a picture: their surfaces, a room, and lamps; all of it random."""
+"""Random surfaces, rooms and lamps for pictures."""
 
 import math
 from collections.abc import Sequence
@@ -25,7 +25,7 @@ Array = NDArray[np.float64]
 
 
 class SurfaceSampler:
-    """Gives bodies their surfaces, in the order in which it is asked.
+    """Gives bodies their surfaces, in the order of the calls.
 
     Args:
         model: the kind of part, with its own colour.
@@ -76,7 +76,7 @@ def room(X_CW: Pose, half_size: Array, rng: np.random.Generator) -> list[Wall]:
 
 
 def lamps(X_CW: Pose, rng: np.random.Generator) -> tuple[Sequence[Light], float]:
-    """Lamps above the origin of W, the first one with shadows, and the light that is everywhere.
+    """Lamps above the origin of W, the first one with shadows, and the ambient light.
 
     Args:
         X_CW: pose of W, z up.

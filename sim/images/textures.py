@@ -14,7 +14,7 @@ _SOFT_PATCH = 0.3  # share of them that are out of focus
 
 
 def random_color(rng: np.random.Generator) -> NDArray[np.float32]:
-    """A colour, (3,) in [0, 1]: any brightness, more often pale than gaudy."""
+    """A colour, (3,) in [0, 1]: any brightness, more often pale than vivid."""
     grey, pale = rng.uniform(0.08, 0.95), rng.uniform() ** 2
     color: NDArray[np.float32] = np.clip(grey + pale * rng.uniform(-0.6, 0.6, 3), 0.02, 1.0).astype(np.float32)
     return color
@@ -29,7 +29,7 @@ def texture(height: int, width: int, rng: np.random.Generator) -> Picture:
 
 
 def background(height: int, width: int, rng: np.random.Generator) -> Picture:
-    """A picture without meaning, (H, W, 3): patches of all kinds and sizes under uneven light."""
+    """A random background, (H, W, 3): patches of all kinds and sizes under uneven light."""
     picture = texture(height, width, rng)
     for _ in range(rng.integers(*_PATCHES)):
         mask = _patch(height, width, rng)

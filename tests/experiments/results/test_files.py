@@ -84,7 +84,7 @@ def test_a_picture_is_not_written_into_a_folder_of_its_name(capsys: pytest.Captu
     (tmp_path / "cell.png").mkdir()
     told = command(capsys, "picture", "--out", tmp_path / "cell.png")
     assert (told.code, told.out, told.err.count("\n")) == (2, "", 1)
-    assert f"cannot write {tmp_path / 'cell.png'}: expected the name of a picture, got a folder" in told.err
+    assert f"cannot write {tmp_path / 'cell.png'}: expected the path of a picture, got a folder" in told.err
 
 
 def test_a_picture_that_does_not_fit_onto_the_disk_is_an_error(

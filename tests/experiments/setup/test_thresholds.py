@@ -82,7 +82,7 @@ MALFORMED = {
         GOOD + "[least_error.mug]\nscore = 2\n",
         ["expected least_error.mug.score in [0, 1], got 2"],
     ),
-    "least error as a number": (GOOD.replace("[grasp", "least_error = 1\n[grasp"), ["a table is no table"]),
+    "least error as a number": (GOOD.replace("[grasp", "least_error = 1\n[grasp"), ["expected a table, got a value"]),
     "minimum as a number": ("refine = 0.5\nensemble_add_minimum_m = 1\n[grasp.mug]", ["[ensemble_add_minimum_m]"]),
 }
 
