@@ -31,7 +31,9 @@ PACKAGES = ("mujoco", "numpy", "opencv-python-headless", "ruckig", "scipy", "tri
 
 def attempts(part: str, method: str) -> list[dict[str, Any]]:
     """Outcome, grasp and u of every attempt of experiment 0 of `make run`."""
-    (spec,) = Compare((part,), (method,), experiments=1, actors=Actors(gap="fitted"), thresholds="paper").specs()
+    (spec,) = Compare(
+        objects=(part,), methods=(method,), experiments=1, actors=Actors(gap="fitted"), thresholds="paper"
+    ).specs()
     result = run_experiment(spec)
     assert result.failure is None, result.failure
     rows = result.tables["attempts"]
