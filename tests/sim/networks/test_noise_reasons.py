@@ -13,7 +13,7 @@ from tests.round_noise import ROUND
 
 
 def test_one_streams_correlation_is_within_about_a_tenth_of_the_kernels() -> None:
-    # The correlation of one stream's values at 0 and x, over its weights, is the mean of cos(w · x) over its frequencies
+    # The correlation of one stream's values at 0 and x, over its weights, is the mean of cos(w · x) over frequencies
     # w. Cosines of N(0, d²) phases have mean exp(-d²/2) and variance (1 - exp(-d²))² / 2.
     x, d = np.array([1.0, 0.0, 0.0, 0.0]), 1.0
     made = (RandomField(np.random.default_rng(seed), 4, 1) for seed in range(400))
