@@ -70,6 +70,14 @@ class JointTrajectory:
         """Time from the first sample to the last, s, ≥ 0."""
         return (len(self.positions) - 1) * self.time_step_s
 
+    @property
+    def accelerations(self) -> Array:
+        """Joint accelerations, (N, 6) rad/s²: differences of the velocities around each sample."""
+        if len(self.velocities) == 1:
+            return np.zeros((1, 6))
+        accelerations: Array = np.gradient(self.velocities, self.time_step_s, axis=0)
+        return accelerations
+
 
 def joint_move(q_start: ArrayLike, q_goal: ArrayLike, preset: SpeedPreset, time_step_s: float) -> JointTrajectory:
     """Motion from rest to rest, straight in joint space, with all joints in step.

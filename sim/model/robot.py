@@ -18,6 +18,7 @@ from sim.model.arm_geometry import Shell, arm_shells
 from sim.model.renderer import pinhole
 from sim.model.vendor_meshes import MakerMesh, maker_meshes
 
+TIME_STEP = 0.002  # s of the physics, and of the robot's controller
 JOINTS = ("shoulder", "upper_arm", "forearm", "wrist_1", "wrist_2", "wrist_3")  # each named as the link that it moves
 FINGERS = ("finger_left", "finger_right")
 
@@ -48,17 +49,25 @@ _LINKS = (
     _Link("wrist_3", (0, 0, 0.1157), _UPRIGHT, (0, 1, 0), 0.202, (0, 0.06, 0), 0.15, 0.1),
 )
 
-# Critically damped for the reflected inertia, k_v = 2 √(k_p I); the setpoint's speed is fed forward, which a plain
-# position servo lacks (it lags by k_v/k_p: 60 mm at full speed).
-_SERVO_KP = np.array([80000.0, 80000.0, 48000.0, 12000.0, 12000.0, 12000.0])
-_SERVO_KV = np.array([1386.0, 1386.0, 692.0, 110.0, 110.0, 98.0])
-_CONTROL_POSITION_AND_VELOCITY = 3  # mjINPUT_POS | mjINPUT_VEL
+# Critically damped, k_v = 2 √(k_p I), for the inertia I that a joint moves. The setpoint's speed and torque are fed
+# forward: a plain position servo lags by k_v/k_p (60 mm at full speed), and by M q̈/k_p in acceleration (2 mm).
+# Stable in all positions: Euler's explicit damping holds while dt K_v + dt²/2 K_p < 2 M, and M is more than the
+# armature.
+_SERVO_KP = np.array([20000.0, 20000.0, 12000.0, 3000.0, 3000.0, 3000.0])  # N m/rad
+_SERVO_KV = np.array([693.0, 693.0, 346.0, 55.0, 55.0, 49.0])  # N m s/rad
+_CONTROL_POSITION_VELOCITY_TORQUE = 7  # mjINPUT_POS | mjINPUT_VEL | mjINPUT_FF
 
 _JAW_KP = 8000.0  # N/m
 _JAW_KV = 250.0  # N s/m
-# A stiff, steep contact without creep: with MuJoCo's default (0.02 s) a held part slides out of the jaws.
-GRIP_SOLREF = (0.002, 1.0)
-GRIP_SOLIMP = (0.95, 0.99, 0.001, 0.5, 2.0)
+_DMAX = 0.99
+GRIP_SOLIMP = (0.95, _DMAX, 0.001, 0.5, 2.0)
+# MuJoCo solves a contact at the step's beginning, without the change of its direction: a part on a circular way drifts
+# in the jaws with (1/β − 1/2) dt a, where a is the centripetal acceleration and β = dt b the share of a sliding speed
+# that a step takes away. The time constant that MuJoCo allows, 2 dt, gives β = 1 and half a millimetre per transfer;
+# 1.5 a third of it. Contacts stay stable while 2 β + dt² k < 4. In jaws, MuJoCo's default (0.02 s) slides out.
+_GRIP_DAMPING = 1.5  # β
+_GRIP_STIFFNESS = 0.25  # dt² k, what a time constant of 2 dt has
+GRIP_SOLREF = (-_GRIP_STIFFNESS * (_DMAX / TIME_STEP) ** 2, -_GRIP_DAMPING * _DMAX / TIME_STEP)  # −k, −b, unscaled
 PAD_FRICTION = (1.0, 0.02, 0.002)
 
 GRIPPER_RGBA = (0.16, 0.17, 0.19, 1.0)
@@ -90,7 +99,7 @@ def add_robot(spec: mujoco.MjSpec, gripper: Gripper, camera_true: Camera, X_FC_t
         spec.joint(link.name).actfrcrange = (-TORQUE_LIMITS[index], TORQUE_LIMITS[index])
         actuator = spec.add_actuator(name=link.name, target=link.name, trntype=mujoco.mjtTrn.mjTRN_JOINT)
         actuator.set_to_pid(
-            kp=float(_SERVO_KP[index]), kv=float(_SERVO_KV[index]), ctrlspec=_CONTROL_POSITION_AND_VELOCITY
+            kp=float(_SERVO_KP[index]), kv=float(_SERVO_KV[index]), ctrlspec=_CONTROL_POSITION_VELOCITY_TORQUE
         )
     # The flange: ur_description's tool0, z out of the last joint.
     flange = body.add_body(name="flange", pos=(0, 0.0922, 0), quat=(np.sqrt(0.5), -np.sqrt(0.5), 0, 0), gravcomp=1.0)
@@ -184,7 +193,7 @@ def _couple_jaws(spec: mujoco.MjSpec, gripper: Gripper) -> None:
         name2=FINGERS[1],
         objtype=mujoco.mjtObj.mjOBJ_JOINT,
         data=[0.0, 1.0, *([0.0] * 10)],
-        solref=GRIP_SOLREF,
+        solref=(2 * TIME_STEP, 1.0),  # as stiff as MuJoCo allows
     )
     tendon = spec.add_tendon(name="jaws")
     for name in FINGERS:

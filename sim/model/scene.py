@@ -11,9 +11,8 @@ from sim.model.clutter import add_distractor, distractor_body, distractors_of
 from sim.model.conditions import Conditions
 from sim.model.fixtures import add_furniture
 from sim.model.parts import PartModel
-from sim.model.robot import add_robot
+from sim.model.robot import TIME_STEP, add_robot
 
-TIME_STEP = 0.001  # s; at 2 ms a held part drifts by up to 1.3 mm in a transfer (contacts have no memory), at 1 ms half
 ROBOT = "shoulder"  # root of everything that moves with the robot
 SURFACE_VELOCITY_Y = 1  # index into a geom's six surface velocities
 

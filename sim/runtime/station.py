@@ -11,13 +11,14 @@ from cell.trajectory import JointTrajectory
 from cell.ur10 import forward
 from sim.model.renderer import Renderer
 from sim.networks.ground_truth import FrameTruth, LatestTruth
+from sim.runtime.contact_kernels import note_forces
 from sim.runtime.world import World
 
 COLLISION_FORCE = 30.0  # N; free motions read exactly 0, a grasp on a wrong pose reads 80 and more
 PRESSING_FORCE = 60.0  # N between the held part and the container, above what a part set down gently makes
 TOUCH_FORCE = 0.5  # N from which a part counts as touched
 
-Command = tuple[NDArray[np.float64], NDArray[np.float64]]
+Command = tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]
 
 
 class SimStation:
@@ -88,9 +89,11 @@ class SimStation:
 
     def follow(self, trajectory: JointTrajectory, watch: frozenset[Touch]) -> Contact | None:
         """See `Station`. A stop holds the joints where they are."""
-        contact = self._run(zip(rounded(trajectory.positions), rounded(trajectory.velocities), strict=True), watch)
-        if contact is not None:
-            self._world.command_arm(self.q, np.zeros(6))
+        q, qd = rounded(trajectory.positions), rounded(trajectory.velocities)
+        qdd = JointTrajectory(self.time_step, q, qd).accelerations
+        contact = self._run(zip(q, qd, qdd, strict=True), watch)
+        stopped = contact is not None
+        self._world.command_arm(self.q if stopped else q[-1], np.zeros(6) if stopped else qd[-1], np.zeros(6))
         return contact
 
     def command_jaws(self, half_opening: float) -> None:
@@ -113,17 +116,14 @@ class SimStation:
     def _run(self, commands: Iterable[Command | None], watch: frozenset[Touch]) -> Contact | None:
         """Steps through the commands, one each; ends early on a watched contact."""
         world, data = self._world, self._world.data
-        limits = self._limits(watch)
+        limits, forces = self._limits(watch), world.contact_forces()
         for command in commands:
             if command is not None:
                 world.command_arm(*command)
             world.step()
-            if data.ncon:
-                forces = np.sqrt((world.contact_forces() ** 2).sum(axis=1))
-                np.maximum(self._peaks, forces, out=self._peaks)
-                if (forces > limits).any():
-                    world.check()
-                    return self._strongest(forces, watch)
+            if data.ncon and note_forces(forces, self._peaks, limits):
+                world.check()
+                return self._strongest(np.linalg.norm(forces, axis=1), watch)
         world.check()
         return None
 

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from cell.interfaces import Touch
 from cell.layout import Layout
-from cell.rounding import DIGITS, rounded
+from cell.rounding import rounded
 from cell.ur10 import inverse_on_branch
 from cell.viewpoints import search_run
 from maskval import Pose
@@ -19,10 +19,8 @@ from sim.model.conditions import UNDISTURBED, Conditions
 from sim.model.parts import PartModel
 from sim.model.robot import FINGERS, JOINTS
 from sim.model.scene import SURFACE_VELOCITY_Y, build_scene, container_presses, robot_touches
+from sim.runtime.contact_kernels import round_state
 
-STEPS_PER_COMMAND = 2  # physics steps per period of the robot's controller
-# Decimals of m/s and m/s² (rad/s, rad/s²): the solver's last bits are larger than those of places.
-VELOCITY_DIGITS, ACCELERATION_DIGITS = 7, 3
 SETTLE_TIME = 1.0  # s of physics before an experiment begins
 Q_NEAR_BELT = np.radians([0.0, -100.0, 100.0, -90.0, -90.0, 0.0])  # which turn of base and wrist 3 to begin with
 
@@ -53,18 +51,22 @@ class World:
         self.mj_model = build_scene(layout, [model] * parts, model.part.slot_size, conditions, use_meshes=use_meshes)
         self.data = mujoco.MjData(self.mj_model)
         compiled = self.mj_model
-        self._arm = np.array([compiled.joint(name).qposadr[0] for name in JOINTS])
+        first = compiled.joint(JOINTS[0])  # the others follow it
+        self._arm = slice(first.qposadr[0], first.qposadr[0] + len(JOINTS))
+        self._arm_dofs = slice(first.dofadr[0], first.dofadr[0] + len(JOINTS))
         self._jaw = compiled.joint(FINGERS[0]).qposadr[0]
         servo = compiled.actuator_ctrladr[compiled.actuator(JOINTS[0]).id]
-        # A view: each servo takes position and speed, and the joints' servos follow one another.
-        self._servos: Array = self.data.ctrl[servo : servo + 2 * len(JOINTS)].reshape(len(JOINTS), 2)
+        # A view: each servo takes position, speed and torque, and the joints' servos follow one another.
+        self._servos: Array = self.data.ctrl[servo : servo + 3 * len(JOINTS)].reshape(len(JOINTS), 3)
         self._jaw_command = compiled.actuator_ctrladr[compiled.actuator("jaws").id]
         self._bodies = np.array([compiled.body(part_body(index)).id for index in range(parts)])
         things = [distractor_body(index) for index in range(len(distractors_of(conditions.clutter)))]
         lying = [*map(part_body, range(parts)), *things]
         self._free_joints = [compiled.joint(name).qposadr[0] for name in lying]
         self._obstacles = [robot_touches(name) for name in things]
-        self._tree_of_position = _tree_of_position(compiled)
+        data = self.data
+        self._state = (data.qpos, data.qvel, data.qacc_warmstart, data.tree_asleep, _tree_of_position(compiled))
+        self._accelerations, self._torques = np.zeros(compiled.nv), np.zeros(compiled.nv)
         self._flange = compiled.body("flange").id
         self._wrist = compiled.camera("wrist").id
         self._belt = compiled.geom("belt").id
@@ -94,7 +96,7 @@ class World:
         for address, pose in zip(self._free_joints, X_WO, strict=True):
             self.data.qpos[address : address + 3] = rounded(pose.translation)
             self.data.qpos[address + 3 : address + 7] = rounded(pose.quaternion_wxyz)
-        self.command_arm(self.q_home, np.zeros(6))
+        self.command_arm(self.q_home, np.zeros(6), np.zeros(6))
         self.command_jaws(self.layout.gripper.max_half_opening)
         for _ in range(round(SETTLE_TIME / self.time_step)):
             self._advance()
@@ -111,7 +113,7 @@ class World:
     @property
     def time_step(self) -> float:
         """Period of the robot's controller, s."""
-        return float(self.mj_model.opt.timestep) * STEPS_PER_COMMAND
+        return float(self.mj_model.opt.timestep)
 
     @property
     def q(self) -> Array:
@@ -123,10 +125,13 @@ class World:
         """Measured distance of each jaw from the middle, m, to `DIGITS` decimals."""
         return float(rounded(self.data.qpos[self._jaw]))
 
-    def command_arm(self, q: Array, qd: Array) -> None:
-        """Sets the servo's joint angles (rad) and speeds (rad/s)."""
+    def command_arm(self, q: Array, qd: Array, qdd: Array) -> None:
+        """Sets the servos to joint angles (rad) and speeds (rad/s), and feeds the torques of qdd (rad/s²) forward."""
+        self._accelerations[self._arm_dofs] = qdd
+        mujoco.mj_mulM(self.mj_model, self.data, self._torques, self._accelerations)
         self._servos[:, 0] = q
         self._servos[:, 1] = qd
+        self._servos[:, 2] = self._torques[self._arm_dofs]
 
     def command_jaws(self, half_opening: float) -> None:
         """Sets the jaws' half opening, m."""
@@ -140,23 +145,16 @@ class World:
             self.data.qvel[self.mj_model.body_dofadr[body] + SURFACE_VELOCITY_Y] += nudge
 
     def step(self) -> None:
-        """One period of the robot's controller."""
+        """One period of the robot's controller, and step of the physics."""
         self._advance()
         if self.on_step is not None:
             self.on_step()
 
     def _advance(self) -> None:
-        """One period of physics. Where things touch, its last bits are rounded away: contacts would make them larger.
-
-        A sleeping thing keeps its place as it is, since a change would wake it.
-        """
-        data = self.data
-        mujoco.mj_step(self.mj_model, data, STEPS_PER_COMMAND)
-        if data.ncon:
-            awake = (data.tree_asleep < 0)[self._tree_of_position]
-            np.copyto(data.qpos, data.qpos.round(DIGITS), where=awake)
-            data.qvel.round(VELOCITY_DIGITS, out=data.qvel)
-            data.qacc_warmstart.round(ACCELERATION_DIGITS, out=data.qacc_warmstart)
+        """One step. Where things touch, its last bits are rounded away: contacts would make them larger."""
+        mujoco.mj_step(self.mj_model, self.data)
+        if self.data.ncon:
+            round_state(*self._state)
 
     def check(self) -> None:
         """Asks whether the physics is still finite.

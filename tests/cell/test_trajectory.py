@@ -85,6 +85,20 @@ def test_joint_velocities_are_the_rate_of_the_positions() -> None:
     np.testing.assert_allclose(np.gradient(move.positions, DT, axis=0)[1:-1], move.velocities[1:-1], atol=1.01 * off)
 
 
+def test_joint_accelerations_are_the_rate_of_the_velocities() -> None:
+    t = DT * np.arange(50)[:, np.newaxis]
+    speeds = np.sin(t) * np.arange(1.0, 7.0)
+    move = JointTrajectory(DT, np.zeros((50, 6)), speeds)
+    # A central difference is off by at most DT² / 6 of the third derivative, one at an end by DT / 2 of the second.
+    expected = np.cos(t) * np.arange(1.0, 7.0)
+    np.testing.assert_allclose(move.accelerations[1:-1], expected[1:-1], atol=1.01 * 6 * DT**2 / 6)
+    np.testing.assert_allclose(move.accelerations, expected, atol=1.01 * 6 * DT / 2)
+
+
+def test_a_single_sample_has_no_acceleration() -> None:
+    assert not hold(HOME, 0.0, DT).accelerations.any()
+
+
 def test_ur_default_turns_a_quarter_in_the_time_that_its_limits_give() -> None:
     move = joint_move(HOME, HOME + np.radians([90.0, 0, 0, 0, 0, 30.0]), UR_DEFAULT, DT)
     # 1.5 s + 0.75 s + 0.1 s

@@ -3,6 +3,7 @@
 import mujoco
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from cell.layout import Layout
 from cell.ur10 import JOINT_LIMIT, TORQUE_LIMITS, forward
@@ -84,3 +85,52 @@ def test_a_hand_eye_error_moves_the_true_camera_only(antenna_world: World) -> No
     off = X_WC_believed.inverse() @ world.X_WC()
     assert np.linalg.norm(off.translation) == pytest.approx(0.005)  # 3-4-5
     assert off.rotvec == pytest.approx(np.radians([0.0, 2.0, 0.0]), abs=1e-9)
+
+
+def servo_gains(model: mujoco.MjModel) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """k_p and k_v of the joints' servos."""
+    rows = [model.actuator(name).id for name in JOINTS]
+    return -model.actuator_biasprm[rows, 1], -model.actuator_biasprm[rows, 2]
+
+
+def test_the_servos_are_stable_wherever_the_arm_is_since_its_inertia_is_more_than_the_armature(
+    antenna_world: World,
+) -> None:
+    model = antenna_world.mj_model
+    kp, kv = servo_gains(model)
+    assert kp.min() > 0
+    assert kv.min() > 0
+    dt, armature = model.opt.timestep, model.dof_armature[[model.joint(name).dofadr[0] for name in JOINTS]]
+    # v' = v − dt M⁻¹ (K_v v + K_p e), e' = e + dt v' decays where 2 M − dt K_v − dt²/2 K_p is positive definite.
+    assert (dt * kv + dt**2 / 2 * kp < 2 * armature).all()
+
+
+def test_in_all_of_the_reach_an_error_of_the_servos_decays(antenna_world: World) -> None:
+    model, data = antenna_world.mj_model, mujoco.MjData(antenna_world.mj_model)
+    kp, kv = servo_gains(model)
+    dt, rng = model.opt.timestep, np.random.default_rng(0)
+    arm, dofs = ([model.joint(name).qposadr[0] for name in JOINTS], [model.joint(name).dofadr[0] for name in JOINTS])
+    inertia, radii = np.zeros((model.nv, model.nv)), []
+    for _ in range(300):
+        data.qpos[arm] = rng.uniform(-np.pi, np.pi, 6)
+        mujoco.mj_forward(model, data)
+        mujoco.mj_fullM(model, data, inertia)
+        M = inertia[np.ix_(dofs, dofs)] + dt * np.diag(model.dof_damping[dofs])  # Euler takes a joint's own implicitly
+        to_speed = np.eye(6) - dt * np.linalg.solve(M, np.diag(kv)), -dt * np.linalg.solve(M, np.diag(kp))
+        step = np.block([[to_speed[0], to_speed[1]], [dt * to_speed[0], np.eye(6) + dt * to_speed[1]]])
+        radii.append(np.abs(np.linalg.eigvals(step)).max())
+    assert len(radii) == 300
+    assert max(radii) < 1.0
+
+
+def test_the_grip_takes_most_of_a_sliding_speed_in_a_step_and_stays_stable(antenna_world: World) -> None:
+    model = antenna_world.mj_model
+    dt = model.opt.timestep
+    for finger in FINGERS:
+        pad = model.geom(f"{finger}_pad").id
+        dmax = model.geom_solimp[pad][1]
+        stiffness, damping = -model.geom_solref[pad] / (dmax**2, dmax)  # MuJoCo's scaling of negative numbers
+        beta, kappa = dt * damping, dt**2 * stiffness
+        assert 1.0 < beta < 2.0
+        assert 2 * beta + kappa < 4.0
+        assert abs(1 / beta - 1 / 2) < 0.5 / 2.9  # the drift, in dt times the centripetal acceleration: a third of 1/2
