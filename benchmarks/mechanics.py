@@ -8,6 +8,7 @@ from collections.abc import Iterable, Iterator
 from statistics import median
 
 import numpy as np
+from numpy.typing import NDArray
 
 import sim.runtime.episode as subject
 from cell.interfaces import Contact, Touch
@@ -17,7 +18,9 @@ from experiments.setup.experiment import ExperimentSpec, kept_cell, run_experime
 from experiments.setup.thresholds import load_thresholds
 from maskval import Pose
 from sim.networks.ground_truth import LatestTruth
-from sim.runtime.station import Command, SimStation
+from sim.runtime.station import SimStation
+
+Setpoint = NDArray[np.float64]  # joint angles, speeds and accelerations, (3, 6)
 
 tool_errors: list[float] = []  # m, one per motion
 stations: list["ObservedStation"] = []
@@ -30,16 +33,16 @@ class ObservedStation(SimStation):
         super().__init__(*arguments)  # type: ignore[arg-type]
         stations.append(self)
 
-    def _run(self, commands: Iterable[Command | None], watch: frozenset[Touch]) -> Contact | None:
+    def _run(self, setpoints: Iterable[Setpoint | None], watch: frozenset[Touch]) -> Contact | None:
         errors: list[float] = []
         X_FT = self._world.layout.gripper.X_FT
 
-        def observed() -> Iterator[Command | None]:
-            for command in commands:
-                if command is not None:
-                    wanted = (forward(command[0]) @ X_FT).translation
+        def observed() -> Iterator[Setpoint | None]:
+            for setpoint in setpoints:
+                if setpoint is not None:
+                    wanted = (forward(setpoint[0]) @ X_FT).translation
                     errors.append(float(np.linalg.norm((forward(self.q) @ X_FT).translation - wanted)))
-                yield command
+                yield setpoint
 
         contact = super()._run(observed(), watch)
         if errors:

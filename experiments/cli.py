@@ -16,7 +16,7 @@ from typing import Annotated, Any, NamedTuple
 import tyro
 
 from experiments.calibration.config import Calibrate
-from experiments.commands.config import Compare, Picture, Run, Tolerance
+from experiments.commands.config import Bench, Compare, Picture, Run, Tolerance
 from experiments.commands.doctor import Doctor
 from experiments.commands.uq import Uq
 from experiments.dataset.config import Dataset
@@ -62,6 +62,7 @@ COMMANDS = {
     "predict": Command(Predict, "experiments.prediction.command:predict"),
     "render-dataset": Command(RenderDataset, "experiments.rendering.command:render_dataset"),
     "uq": Command(Uq, "experiments.commands.uq:uq", engine=False),
+    "bench": Command(Bench, "experiments.commands.bench:bench"),
     "doctor": Command(Doctor, "experiments.commands.doctor:doctor", engine=False),
 }
 _CHOICES = [Annotated[command.config, tyro.conf.subcommand(name)] for name, command in COMMANDS.items()]

@@ -1,7 +1,5 @@
 """The simulated robot as the controller's station: motions with guarded contacts, jaws, clock and pictures."""
 
-from collections.abc import Iterable
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -11,14 +9,11 @@ from cell.trajectory import JointTrajectory
 from cell.ur10 import forward
 from sim.model.renderer import Renderer
 from sim.networks.ground_truth import FrameTruth, LatestTruth
-from sim.runtime.contact_kernels import note_forces
 from sim.runtime.world import World
 
 COLLISION_FORCE = 30.0  # N; free motions read exactly 0, a grasp on a wrong pose reads 80 and more
 PRESSING_FORCE = 60.0  # N between the held part and the container, above what a part set down gently makes
 TOUCH_FORCE = 0.5  # N from which a part counts as touched
-
-Command = tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]
 
 
 class SimStation:
@@ -78,7 +73,7 @@ class SimStation:
         self._latest_truth.keep(
             FrameTruth(
                 frame=frame.index,
-                instance_ids=self._camera.instance_ids(data, "wrist"),
+                instance_ids=self._instance_ids(),
                 X_CO_true=tuple(self._world.X_CO(part) for part in range(self._world.parts)),
                 camera=self._world.camera_true,
                 mesh=self._world.part_model.part.mesh,
@@ -87,13 +82,16 @@ class SimStation:
         self._frames += 1
         return frame
 
+    def _instance_ids(self) -> NDArray[np.int8]:
+        return self._camera.instance_ids(self._world.data, "wrist")
+
     def follow(self, trajectory: JointTrajectory, watch: frozenset[Touch]) -> Contact | None:
         """See `Station`. A stop holds the joints where they are."""
         q, qd = rounded(trajectory.positions), rounded(trajectory.velocities)
         qdd = JointTrajectory(self.time_step, q, qd).accelerations
-        contact = self._run(zip(q, qd, qdd, strict=True), watch)
-        stopped = contact is not None
-        self._world.command_arm(self.q if stopped else q[-1], np.zeros(6) if stopped else qd[-1], np.zeros(6))
+        contact = self._run(np.stack((q, qd, qdd), axis=2), watch)
+        if contact is not None:
+            self._world.hold_arm(self.q)
         return contact
 
     def command_jaws(self, half_opening: float) -> None:
@@ -102,7 +100,7 @@ class SimStation:
 
     def wait(self, duration: float, watch: frozenset[Touch]) -> Contact | None:
         """See `Station`."""
-        return self._run((None for _ in range(round(duration / self.time_step))), watch)
+        return self._run(self._world.still(round(duration / self.time_step)), watch)
 
     def forget_touches(self) -> None:
         """From now on, `touched_parts` counts afresh."""
@@ -113,19 +111,11 @@ class SimStation:
         rows = self._rows[Touch.PART][: self._world.parts]  # distractors follow
         return [int(part) for part in np.flatnonzero(self._peaks[rows] > TOUCH_FORCE)]
 
-    def _run(self, commands: Iterable[Command | None], watch: frozenset[Touch]) -> Contact | None:
-        """Steps through the commands, one each; ends early on a watched contact."""
-        world, data = self._world, self._world.data
-        limits, forces = self._limits(watch), world.contact_forces()
-        for command in commands:
-            if command is not None:
-                world.command_arm(*command)
-            world.step()
-            if data.ncon and note_forces(forces, self._peaks, limits):
-                world.check()
-                return self._strongest(np.linalg.norm(forces, axis=1), watch)
-        world.check()
-        return None
+    def _run(self, setpoints: NDArray[np.float64], watch: frozenset[Touch]) -> Contact | None:
+        """Steps through the arm's setpoints; ends early on a watched contact."""
+        stopped = self._world.follow(setpoints, self._peaks, self._limits(watch))
+        self._world.check()
+        return self._strongest(watch) if stopped else None
 
     def _limits(self, watch: frozenset[Touch]) -> NDArray[np.float64]:
         limits = np.full(len(self._peaks), np.inf)
@@ -133,6 +123,7 @@ class SimStation:
             limits[self._rows[touch]] = PRESSING_FORCE if touch is Touch.PRESSED else COLLISION_FORCE
         return limits
 
-    def _strongest(self, forces: NDArray[np.float64], watch: frozenset[Touch]) -> Contact:
+    def _strongest(self, watch: frozenset[Touch]) -> Contact:
+        forces = np.linalg.norm(self._world.contact_forces(), axis=1)
         force, touch = max((float(forces[self._rows[touch]].max()), touch) for touch in sorted(watch))
         return Contact(touch, force, self.time)

@@ -19,7 +19,7 @@ from sim.model.conditions import UNDISTURBED, Conditions
 from sim.model.parts import PartModel
 from sim.model.robot import FINGERS, JOINTS
 from sim.model.scene import SURFACE_VELOCITY_Y, build_scene, container_presses, robot_touches
-from sim.runtime.contact_kernels import round_state
+from sim.runtime.stepping import Engine, run_periods
 
 SETTLE_TIME = 1.0  # s of physics before an experiment begins
 Q_NEAR_BELT = np.radians([0.0, -100.0, 100.0, -90.0, -90.0, 0.0])  # which turn of base and wrist 3 to begin with
@@ -53,25 +53,29 @@ class World:
         compiled = self.mj_model
         first = compiled.joint(JOINTS[0])  # the others follow it
         self._arm = slice(first.qposadr[0], first.qposadr[0] + len(JOINTS))
-        self._arm_dofs = slice(first.dofadr[0], first.dofadr[0] + len(JOINTS))
         self._jaw = compiled.joint(FINGERS[0]).qposadr[0]
-        servo = compiled.actuator_ctrladr[compiled.actuator(JOINTS[0]).id]
-        # A view: each servo takes position, speed and torque, and the joints' servos follow one another.
-        self._servos: Array = self.data.ctrl[servo : servo + 3 * len(JOINTS)].reshape(len(JOINTS), 3)
         self._jaw_command = compiled.actuator_ctrladr[compiled.actuator("jaws").id]
         self._bodies = np.array([compiled.body(part_body(index)).id for index in range(parts)])
         things = [distractor_body(index) for index in range(len(distractors_of(conditions.clutter)))]
         lying = [*map(part_body, range(parts)), *things]
         self._free_joints = [compiled.joint(name).qposadr[0] for name in lying]
         self._obstacles = [robot_touches(name) for name in things]
-        data = self.data
-        self._state = (data.qpos, data.qvel, data.qacc_warmstart, data.tree_asleep, _tree_of_position(compiled))
-        self._accelerations, self._torques = np.zeros(compiled.nv), np.zeros(compiled.nv)
+        self._engine = self._mapped(first.dofadr[0])
+        self._held = np.zeros((1, len(JOINTS), 3))  # what the arm was told last, and no acceleration
         self._flange = compiled.body("flange").id
         self._wrist = compiled.camera("wrist").id
         self._belt = compiled.geom("belt").id
         self.q_home = self._home()
         self.on_step: Callable[[], None] | None = None  # called after every step, by a window that shows the world
+
+    def _mapped(self, arm: int) -> Engine:
+        """The model and its data for the compiled loop, given the first of the arm's degrees of freedom."""
+        model, data = self.mj_model, self.data
+        # Each servo takes position, speed and torque, and the joints' servos follow one another.
+        servo = model.actuator_ctrladr[model.actuator(JOINTS[0]).id]
+        servos = data.ctrl[servo : servo + 3 * len(JOINTS)].reshape(len(JOINTS), 3)
+        state = (data.qpos, data.qvel, data.qacc_warmstart, data.tree_asleep, _tree_of_position(model))
+        return Engine(model._address, data._address, servos, int(arm), *state, self.contact_forces())
 
     def _home(self) -> Array:
         """Joint angles of the search run's first view."""
@@ -96,10 +100,9 @@ class World:
         for address, pose in zip(self._free_joints, X_WO, strict=True):
             self.data.qpos[address : address + 3] = rounded(pose.translation)
             self.data.qpos[address + 3 : address + 7] = rounded(pose.quaternion_wxyz)
-        self.command_arm(self.q_home, np.zeros(6), np.zeros(6))
+        self.hold_arm(self.q_home)
         self.command_jaws(self.layout.gripper.max_half_opening)
-        for _ in range(round(SETTLE_TIME / self.time_step)):
-            self._advance()
+        run_periods(self._engine, self.still(round(SETTLE_TIME / self.time_step)), *self._unwatched())
         self.check()
         self.data.time = 0.0
         if self.belt_true.speed:
@@ -125,13 +128,9 @@ class World:
         """Measured distance of each jaw from the middle, m, to `DIGITS` decimals."""
         return float(rounded(self.data.qpos[self._jaw]))
 
-    def command_arm(self, q: Array, qd: Array, qdd: Array) -> None:
-        """Sets the servos to joint angles (rad) and speeds (rad/s), and feeds the torques of qdd (rad/s²) forward."""
-        self._accelerations[self._arm_dofs] = qdd
-        mujoco.mj_mulM(self.mj_model, self.data, self._torques, self._accelerations)
-        self._servos[:, 0] = q
-        self._servos[:, 1] = qd
-        self._servos[:, 2] = self._torques[self._arm_dofs]
+    def hold_arm(self, q: Array) -> None:
+        """Has the servos hold joint angles, (6,) rad, from the next step on."""
+        self._held[0, :, 0], self._held[0, :, 1:] = q, 0.0
 
     def command_jaws(self, half_opening: float) -> None:
         """Sets the jaws' half opening, m."""
@@ -144,17 +143,35 @@ class World:
         for body in self._bodies:
             self.data.qvel[self.mj_model.body_dofadr[body] + SURFACE_VELOCITY_Y] += nudge
 
-    def step(self) -> None:
-        """One period of the robot's controller, and step of the physics."""
-        self._advance()
-        if self.on_step is not None:
-            self.on_step()
+    def step(self, periods: int = 1) -> None:
+        """Lets periods of the robot's controller pass, each one step of the physics; the arm is told nothing new."""
+        self.follow(self.still(periods), *self._unwatched())
 
-    def _advance(self) -> None:
-        """One step. Where things touch, its last bits are rounded away: contacts would make them larger."""
-        mujoco.mj_step(self.mj_model, self.data)
-        if self.data.ncon:
-            round_state(*self._state)
+    def still(self, periods: int) -> Array:
+        """Setpoints of an arm that goes on as it was told last, (periods, 6, 3)."""
+        return np.repeat(self._held, periods, axis=0)
+
+    def _unwatched(self) -> tuple[Array, Array]:
+        """Peaks and limits of contact forces that nobody asks for."""
+        sensors = len(self._engine.forces)
+        return np.zeros(sensors), np.full(sensors, np.inf)
+
+    def follow(self, setpoints: Array, peaks: Array, limits: Array) -> bool:
+        """Steps through setpoints of the arm; see `run_periods`.
+
+        Returns:
+            Whether a force was above its limit; the state is then that after its step.
+        """
+        each = len(setpoints) if self.on_step is None else 1
+        for start in range(0, len(setpoints), max(1, each)):
+            some = setpoints[start : start + each]
+            steps = run_periods(self._engine, some, peaks, limits)
+            self._held[0, :, :2] = some[steps - 1, :, :2]  # of the last step: −1 where all were made
+            if self.on_step is not None:
+                self.on_step()
+            if steps:
+                return True
+        return False
 
     def check(self) -> None:
         """Asks whether the physics is still finite.

@@ -167,6 +167,7 @@ def test_a_contact_holds_the_joints_where_they_are(motion: Motion, antenna_world
     assert motion.to_tool(over_belt) is None
     assert motion.line_to(tool(world, belt_x(world), 0.0, world.layout.belt.top_z - 0.03)) is not None
     q = world.q
-    np.testing.assert_allclose(world._servos, np.column_stack((q, np.zeros((6, 2)))), atol=1e-9)
     motion.station.wait(0.3, NOBODY)
+    servos = world._engine.servos  # angle, speed and torque of each
+    np.testing.assert_allclose(servos, np.column_stack((q, np.zeros((6, 2)))), atol=1e-9)
     np.testing.assert_allclose(world.q, q, atol=2e-3)  # the belt gives the tool back a little

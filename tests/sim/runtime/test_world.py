@@ -4,6 +4,7 @@ import hashlib
 import mujoco
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from cell.layout import Belt, Layout
 from cell.motion_limits import PRESETS
@@ -21,6 +22,11 @@ from sim.runtime.world import World
 from tests.sim.conftest import on_belt, standing
 
 TO_CONTAINER = np.radians([-80.0, 5.0, 10.0, -15.0, 0.0, 20.0])  # from home, about a transfer's way
+
+
+def setpoint(*of_joints: NDArray[np.float64]) -> NDArray[np.float64]:
+    """One setpoint of angles, speeds and accelerations."""
+    return np.stack(of_joints, axis=1)[np.newaxis]
 
 
 def test_parts_settle_within_a_hundredth_of_a_millimetre(antenna_world: World, antenna: PartModel) -> None:
@@ -53,8 +59,7 @@ def test_the_tool_stays_within_half_a_millimetre_of_its_way_at_default_speed(
     for way in ways:
         for q, qd, qdd in zip(way.positions, way.velocities, way.accelerations, strict=True):
             errors.append(np.linalg.norm((forward(world.q) @ X_FT).translation - (forward(q) @ X_FT).translation))
-            world.command_arm(q, qd, qdd)
-            world.step()
+            world.follow(setpoint(q, qd, qdd), *world._unwatched())
     assert len(errors) > 1500
     assert max(errors) < 0.0005
 
@@ -105,8 +110,7 @@ def history(world: World, antenna: PartModel, seed: int) -> str:
     digest = hashlib.sha256()
     way = joint_move(world.q_home, world.q_home + TO_CONTAINER / 4, PRESETS["ur-default"], world.time_step)
     for q, qd, qdd in zip(way.positions, way.velocities, way.accelerations, strict=True):
-        world.command_arm(q, qd, qdd)
-        world.step()
+        world.follow(setpoint(q, qd, qdd), *world._unwatched())
         digest.update(world.data.qpos.tobytes() + world.data.qvel.tobytes())
     return digest.hexdigest()
 
