@@ -14,7 +14,8 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
-from maskval import Camera, Mesh, Pose, depth_crop
+from maskval import Camera, Mesh, Pose
+from maskval.rendering.z_buffer import ZBuffer
 from sim.instance_ids import NO_INSTANCE, PIXEL_CENTER
 from sim.networks.ground_truth import FrameTruth
 from sim.networks.random_streams import Streams
@@ -56,8 +57,7 @@ def make_image(mesh: Mesh, camera: Camera, recipe: Recipe, streams: Streams) -> 
         streams: The root of the image's random numbers; the experiment is the image's number.
     """
     bodies = scatter(mesh, camera, recipe, streams)
-    instance_ids, _ = draw_nearest(bodies, camera)
-    return GeneratedImage(truth_of(bodies, instance_ids, mesh, camera, streams.experiment), bodies)
+    return GeneratedImage(truth_of(bodies, _drawn(bodies, camera).numbers, mesh, camera, streams.experiment), bodies)
 
 
 def scatter(mesh: Mesh, camera: Camera, recipe: Recipe, streams: Streams) -> tuple[Body, ...]:
@@ -96,17 +96,15 @@ def draw_nearest(bodies: Sequence[Body], camera: Camera) -> tuple[NDArray[np.int
         bodies: Of equally near ones the first is seen.
         camera: Intrinsics and image size.
     """
-    nearest = np.full((camera.height, camera.width), np.inf, dtype=np.float32)
-    numbers = np.full((camera.height, camera.width), NO_INSTANCE, dtype=np.int8)
+    image = _drawn(bodies, camera)
+    return image.numbers, image.depth()
+
+
+def _drawn(bodies: Sequence[Body], camera: Camera) -> ZBuffer:
+    image = ZBuffer(camera, pixel_center=PIXEL_CENTER)
     for mesh, X_CO, number in bodies:
-        crop = depth_crop(mesh, X_CO, camera, pixel_center=PIXEL_CENTER)
-        height, width = crop.depth.shape
-        window = (slice(crop.top, crop.top + height), slice(crop.left, crop.left + width))
-        nearer = (crop.depth > 0) & (crop.depth < nearest[window])
-        np.copyto(nearest[window], crop.depth, where=nearer)
-        numbers[window][nearer] = number
-    nearest[nearest == np.inf] = 0.0
-    return numbers, nearest
+        image.draw(mesh, X_CO, number)
+    return image
 
 
 @cache
