@@ -18,7 +18,7 @@ from experiments.setup.thresholds import load_thresholds
 
 STAGES = {  # name: (module, class or None, function)
     "physics": ("mujoco", None, "mj_step"),
-    "instance ids (segmentation)": ("sim.model.renderer", "Renderer", "instance_ids"),
+    "instance ids": ("sim.runtime.wrist_camera", "WristCamera", "instance_ids"),
     "masks": ("sim.networks.estimators", "NoisyMasks", "detect"),
     "poses": ("sim.networks.estimators", "NoisyPoses", "estimate"),
     "uncertainty": ("cell.perception", "Perception", "uncertainties"),

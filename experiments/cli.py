@@ -6,6 +6,7 @@ import functools
 import importlib
 import io
 import operator
+import os
 import re
 import sys
 import traceback
@@ -28,10 +29,6 @@ from experiments.rendering.config import RenderDataset
 from experiments.setup.actors import Actors
 from sim.model.conditions import Conditions
 
-_GL_PACKAGES = (
-    "libegl1 libgl1 libosmesa6"  # sim.model.renderer names them too, but cannot be asked where they are missing
-)
-
 _USAGE = "Argument help"  # what tyro's explanation of an option begins with
 _ASIDES = ("For full", _USAGE, "Perhaps you meant")  # they fill a screen, not a line
 _PLACE = re.compile(r"^Error parsing (?!--)\S+: ")  # tyro's, before the message of a record that refuses a value
@@ -44,7 +41,7 @@ _DESCRIPTION = (
 
 
 class Command(NamedTuple):
-    """A command: its options, what does the job, and whether that needs the engine, and with it OpenGL."""
+    """A command: its options, what does the job, and whether that needs the engine."""
 
     config: type[Any]
     job: str
@@ -121,17 +118,17 @@ def parse(arguments: Sequence[str]) -> Any:
 
 
 def _load_engine() -> None:
-    """Imports MuJoCo, which without an OpenGL library fails with whatever its bindings stumble over.
+    """Imports MuJoCo, which fails with whatever its bindings stumble over if MUJOCO_GL names an OpenGL that is missing.
 
     Raises:
-        UsageError: the library is missing; the message names the packages to install.
+        UsageError: it does.
     """
     try:
         importlib.import_module("sim.model.renderer")
     except (AttributeError, OSError, RuntimeError) as error:
         raise UsageError(
-            f"no off-screen OpenGL ({type(error).__name__}: {error}); expected EGL or OSMesa: "
-            f"apt-get install {_GL_PACKAGES}, then set MUJOCO_GL to egl or osmesa"
+            f"no OpenGL of the kind that MUJOCO_GL names, {os.environ.get('MUJOCO_GL')!r} ({type(error).__name__}: "
+            f"{error}); expected it unset, since only pictures need OpenGL; `graspcell doctor` says what pictures need"
         ) from error
 
 

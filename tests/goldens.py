@@ -17,7 +17,6 @@ import numpy as np
 import threadpoolctl
 from numpy._core._multiarray_umath import __cpu_dispatch__, __cpu_features__
 
-import sim  # noqa: F401  # chooses the OpenGL that needs no window
 from experiments.commands.config import Compare
 from experiments.setup.actors import Actors
 from experiments.setup.experiment import run_experiment

@@ -19,8 +19,8 @@ from sim.runtime.bare_physics import record, replay
 from sim.runtime.episode import starting_poses
 
 STAGES = {  # name: (module, class or None, function)
-    "physics": ("mujoco", None, "mj_step"),
-    "instance ids": ("sim.runtime.station", "SimStation", "_instance_ids"),
+    "physics, with setpoints": ("sim.runtime.world", None, "run_periods"),
+    "instance ids": ("sim.runtime.wrist_camera", "WristCamera", "instance_ids"),
     "masks": ("sim.networks.estimators", "NoisyMasks", "detect"),
     "poses": ("sim.networks.estimators", "NoisyPoses", "estimate"),
     "uncertainty": ("cell.perception", "Perception", "uncertainties"),

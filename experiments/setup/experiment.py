@@ -21,7 +21,7 @@ from experiments.setup.methods import Context, make_method
 from experiments.setup.policies import make_policy, policy_name
 from experiments.setup.thresholds import Thresholds
 from maskval import MaskvalError
-from sim.errors import SimError
+from sim.errors import GraphicsError, SimError
 from sim.instance_ids import PIXEL_CENTER
 from sim.model.conditions import Conditions
 from sim.networks.estimators import Kind
@@ -88,7 +88,7 @@ class ExperimentResult:
     first: FirstAttempts | None = None
 
 
-@lru_cache(maxsize=4)  # kept, since compiling and opening a renderer take a second
+@lru_cache(maxsize=4)  # kept, since compiling takes a second
 def kept_cell(part: str, parts: int, conditions: Conditions, maker_meshes: bool, /) -> SimCell:
     """The process's cell for experiments with the same `ExperimentSpec.cell`."""
     return build_cell(part, parts, conditions, maker_meshes)
@@ -105,7 +105,7 @@ def run_experiment(
         cell: what it runs in; the process's own for experiments of this kind by default.
 
     Raises:
-        SimError: the cell cannot be set up, for example without OpenGL.
+        SimError: the cell cannot be set up, or pictures are asked for without OpenGL.
     """
     # What fails here fails for every experiment, and is not a result of this one.
     cell = cell or kept_cell(*spec.cell)
@@ -121,6 +121,8 @@ def run_experiment(
     count, failure = None, None
     try:
         count = make_cycle(spec, cell, latest_truth, listen).run()
+    except GraphicsError:
+        raise  # whoever looks at pictures meets it in every experiment
     except (CellError, SimError, MaskvalError, UsageError) as error:
         failure = f"{type(error).__name__}: {error}"
     recorder.finish(spec.seed, spec.estimator, policy_name(spec.policy, spec.method), count, failure)

@@ -113,7 +113,7 @@ class CellEnv(gymnasium.Env[Encoded, Action], Generic[Action]):
 
     def close(self) -> None:
         """Releases window and OpenGL contexts; a reset creates new ones."""
-        for held in (self._window, self._overview, self._cell.renderer if self._cell else None):
+        for held in (self._window, self._overview, self._cell.camera if self._cell else None):
             if held is not None:
                 held.close()
         self._cell = self._overview = self._window = None

@@ -1,9 +1,13 @@
-"""The one place that renders: RGB, z-depth and instance ids from a camera of the model."""
+"""Pictures by MuJoCo's renderer: RGB, z-depth and instance ids from a camera of the model. All else needs no OpenGL."""
 
+import os
+import sys
+from importlib import import_module
 from typing import Any
 
 import mujoco
 import numpy as np
+from mujoco.rendering.classic import gl_context
 from numpy.typing import NDArray
 
 import maskval
@@ -12,6 +16,7 @@ from sim.errors import GraphicsError
 from sim.instance_ids import NO_INSTANCE
 
 GL_PACKAGES = "libegl1 libgl1 libosmesa6"
+_PLATFORM = "MUJOCO_GL"
 
 
 def pinhole(camera: maskval.Camera, X_BC: Pose) -> dict[str, Any]:
@@ -36,11 +41,14 @@ class Renderer:
 
     def __init__(self, mj_model: mujoco.MjModel, height: int, width: int) -> None:
         try:
+            _choose_platform()
             self._renderer: Any = mujoco.Renderer(mj_model, height, width)
         except Exception as error:  # the bindings raise whatever their platform's loader raises
+            chosen = os.environ.get(_PLATFORM)
             raise GraphicsError(
-                f"no off-screen OpenGL ({type(error).__name__}: {error}); expected EGL or OSMesa: "
-                f"apt-get install {GL_PACKAGES}, then set MUJOCO_GL to egl or osmesa"
+                f"no off-screen OpenGL, which pictures need ({type(error).__name__}: {error}"
+                f"{f'; {_PLATFORM} is {chosen}' if chosen else ''}); expected EGL or OSMesa: "
+                f"apt-get install {GL_PACKAGES}, then set {_PLATFORM} to egl or osmesa"
             ) from error
         names = (mujoco.mj_id2name(mj_model, mujoco.mjtObj.mjOBJ_GEOM, geom) or "" for geom in range(mj_model.ngeom))
         numbers = [int(name.removeprefix("part_")) if name.startswith("part_") else NO_INSTANCE for name in names]
@@ -78,3 +86,13 @@ class Renderer:
         self._renderer.update_scene(data, camera)
         image: NDArray[Any] = self._renderer.render()
         return image
+
+
+def _choose_platform() -> None:
+    """Has MuJoCo render by EGL unless the environment says by what; its own choice on Linux needs a display.
+
+    It is made for the first picture: MuJoCo loads the library of a platform that the environment names when it is
+    imported, and can itself not be imported where that is missing.
+    """
+    if not os.environ.get(_PLATFORM) and sys.platform == "linux":
+        gl_context.GLContext = import_module("mujoco.egl").GLContext

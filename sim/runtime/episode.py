@@ -14,7 +14,6 @@ from sim.model.clutter import CLEARANCES, distractors_of, place_distractors
 from sim.model.conditions import Conditions
 from sim.model.parts import load_part
 from sim.model.placement import convex_outline, feed_parts, feeding_length, place_parts
-from sim.model.renderer import Renderer
 from sim.networks.estimators import Kind, make_estimators
 from sim.networks.ground_truth import LatestTruth
 from sim.networks.noise_model import PartNoise, load_noise
@@ -22,20 +21,21 @@ from sim.networks.random_streams import Streams
 from sim.runtime.referee import SimReferee
 from sim.runtime.station import SimStation
 from sim.runtime.world import World
+from sim.runtime.wrist_camera import WristCamera
 
 Estimators = tuple[MaskEstimator, tuple[PoseEstimator, ...]]
 
 
 @dataclass(frozen=True, slots=True)
 class SimCell:
-    """The physics of the cell with its renderer, built once and reset for every experiment."""
+    """The physics of the cell with its wrist camera, built once and reset for every experiment."""
 
     world: World
-    renderer: Renderer
+    camera: WristCamera
 
 
 def build_cell(part: str, parts: int, conditions: Conditions, maker_meshes: bool, /) -> SimCell:
-    """Compiles the cell and opens its renderer, which takes a second.
+    """Compiles the cell, which takes a second.
 
     Args:
         part: name or TOML file of the part.
@@ -46,7 +46,7 @@ def build_cell(part: str, parts: int, conditions: Conditions, maker_meshes: bool
     layout, model = Layout(belt=belt_under(conditions, parts)), load_part(part)
     world = World(layout, model, parts, conditions, maker_meshes)
     _compile_kernels(model.part.mesh, layout.camera)
-    return SimCell(world, Renderer(world.mj_model, layout.camera.height, layout.camera.width))
+    return SimCell(world, WristCamera(world))
 
 
 def _compile_kernels(mesh: Mesh, camera: Intrinsics) -> None:
@@ -110,7 +110,7 @@ def begin_episode(
     """
     world, model = cell.world, cell.world.part_model
     world.reset(starting_poses(world, streams))
-    station = SimStation(world, cell.renderer, latest_truth)
+    station = SimStation(world, cell.camera, latest_truth)
     if isinstance(estimators, str):
         estimators = make_estimators(estimators, latest_truth, model.part, noise or load_noise(model.noise), streams)
     detector, networks = estimators

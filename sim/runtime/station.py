@@ -7,9 +7,9 @@ from cell.interfaces import Contact, Frame, Image, Touch
 from cell.rounding import rounded
 from cell.trajectory import JointTrajectory
 from cell.ur10 import forward
-from sim.model.renderer import Renderer
 from sim.networks.ground_truth import FrameTruth, LatestTruth
 from sim.runtime.world import World
+from sim.runtime.wrist_camera import WristCamera
 
 COLLISION_FORCE = 30.0  # N; free motions read exactly 0, a grasp on a wrong pose reads 80 and more
 PRESSING_FORCE = 60.0  # N between the held part and the container, above what a part set down gently makes
@@ -19,7 +19,7 @@ TOUCH_FORCE = 0.5  # N from which a part counts as touched
 class SimStation:
     """Implements `cell.interfaces.Station` on a `World`."""
 
-    def __init__(self, world: World, camera: Renderer, latest_truth: LatestTruth) -> None:
+    def __init__(self, world: World, camera: WristCamera, latest_truth: LatestTruth) -> None:
         self._world, self._camera, self._latest_truth = world, camera, latest_truth
         self._rows = world.touch_sensors()
         self._peaks = np.zeros(len(world.contact_forces()))
@@ -61,29 +61,27 @@ class SimStation:
 
         Its pose is by forward kinematics of the measured joints, not the simulator's.
         """
-        layout, data = self._world.layout, self._world.data
+        layout = self._world.layout
+        X_CO_true = tuple(self._world.X_CO(part) for part in range(self._world.parts))
         frame = Frame(
             index=self._frames,
             time=self.time,
             camera=layout.camera,
             X_BC=forward(self.q) @ layout.X_FC,
-            rgb=self._camera.rgb(data, "wrist") if Image.RGB in images else None,
-            depth=self._camera.depth(data, "wrist") if Image.DEPTH in images else None,
+            rgb=self._camera.rgb() if Image.RGB in images else None,
+            depth=self._camera.depth() if Image.DEPTH in images else None,
         )
         self._latest_truth.keep(
             FrameTruth(
                 frame=frame.index,
-                instance_ids=self._instance_ids(),
-                X_CO_true=tuple(self._world.X_CO(part) for part in range(self._world.parts)),
+                instance_ids=self._camera.instance_ids(X_CO_true),
+                X_CO_true=X_CO_true,
                 camera=self._world.camera_true,
                 mesh=self._world.part_model.part.mesh,
             )
         )
         self._frames += 1
         return frame
-
-    def _instance_ids(self) -> NDArray[np.int8]:
-        return self._camera.instance_ids(self._world.data, "wrist")
 
     def follow(self, trajectory: JointTrajectory, watch: frozenset[Touch]) -> Contact | None:
         """See `Station`. A stop holds the joints where they are."""

@@ -6,10 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from experiments import cli
 from experiments.cli import COMMANDS, options
-from experiments.setup.experiment import kept_cell
-from sim.model import renderer as camera
 from tests.experiments.command import Told, command
 
 ROOT = Path(__file__).parents[2]
@@ -184,70 +181,3 @@ def test_help_does_not_wait_for_the_engine() -> None:
     loaded = loaded_by(["compare", "--help"])
     assert "tyro" in loaded
     assert loaded & {"mujoco", "numba", "trimesh", "pyarrow", "ruckig"} == set()
-
-
-def test_without_off_screen_opengl_the_one_line_names_the_packages_to_install(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def fail(*_: object, **__: object) -> None:
-        raise AttributeError("'NoneType' object has no attribute 'eglQueryString'")
-
-    monkeypatch.setattr("sim.model.renderer.mujoco.Renderer", fail)
-    kept_cell.cache_clear()
-    for job in (["compare", "--jobs", 1], ["run"]):
-        told = command(capsys, *job, "--parts", 1, "--out", tmp_path)
-        assert (told.code, is_one_line(told)) == (2, True)
-        assert "apt-get install libegl1 libgl1 libosmesa6" in told.err
-        assert "eglQueryString" in told.err
-    assert not (tmp_path / "table.json").exists()
-
-
-def test_without_off_screen_opengl_in_its_workers_compare_says_the_same(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setenv("MUJOCO_GL", "egl")
-    monkeypatch.setenv("MUJOCO_EGL_DEVICE_ID", "99")  # this process has chosen its device; the workers have not
-    told = command(capsys, "compare", "--experiments", 2, "--parts", 1, "--jobs", 2, "--out", tmp_path)
-    assert (told.code, is_one_line(told)) == (2, True)
-    assert "apt-get install libegl1 libgl1 libosmesa6" in told.err
-
-
-# What happens where libEGL is missing: PyOpenGL finds nothing, and MuJoCo cannot even be imported.
-NO_LIBRARY = """
-import ctypes.util
-load = ctypes.CDLL.__init__
-def refuse(self, name, *args, **kwargs):
-    if name and ("GL" in str(name) or "OSMesa" in str(name)):
-        raise OSError(f"{name}: cannot open shared object file")
-    load(self, name, *args, **kwargs)
-ctypes.CDLL.__init__ = refuse
-ctypes.util.find_library = lambda name: None
-from experiments.cli import main
-"""
-
-
-def without_library(*arguments: str) -> Told:
-    script = f"{NO_LIBRARY}main({list(arguments)!r})"
-    environment = {**os.environ, "MUJOCO_GL": "egl"}
-    done = subprocess.run(
-        [sys.executable, "-c", script], cwd=ROOT, env=environment, capture_output=True, text=True, check=False
-    )
-    return Told(done.returncode, done.stdout, done.stderr)
-
-
-def test_where_the_opengl_library_is_missing_the_one_line_names_the_packages_to_install() -> None:
-    told = without_library("run", "--parts", "1")
-    assert (told.code, is_one_line(told)) == (2, True), told.err
-    assert "apt-get install libegl1 libgl1 libosmesa6" in told.err
-
-
-def test_what_needs_no_cell_needs_no_opengl_library_either(tmp_path: Path) -> None:
-    assert without_library("compare", "--help").code == 0
-    told = without_library("uq", "--dataset", str(tmp_path), "--results", str(tmp_path / "a.csv"), "--masks", "mask")
-    assert "OpenGL" not in told.err
-    assert str(tmp_path) in told.err
-    assert (told.code, is_one_line(told)) == (2, True), told.err
-
-
-def test_the_packages_are_named_alike_wherever_they_are_named() -> None:
-    assert cli._GL_PACKAGES == camera.GL_PACKAGES

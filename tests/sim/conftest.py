@@ -12,6 +12,7 @@ from sim.model.renderer import Renderer
 from sim.networks.ground_truth import LatestTruth
 from sim.runtime.station import SimStation
 from sim.runtime.world import World
+from sim.runtime.wrist_camera import WristCamera
 
 
 def on_belt(model: PartModel, x: float, y: float, side: int = 0, yaw: float = 0.0) -> Pose:
@@ -50,9 +51,16 @@ def antenna_camera(antenna_world: World) -> Iterator[Renderer]:
     camera.close()
 
 
+@pytest.fixture(scope="session")
+def wrist_camera(antenna_world: World) -> Iterator[WristCamera]:
+    camera = WristCamera(antenna_world)
+    yield camera
+    camera.close()
+
+
 @pytest.fixture
-def station(antenna: PartModel, antenna_world: World, antenna_camera: Renderer) -> SimStation:
+def station(antenna: PartModel, antenna_world: World, wrist_camera: WristCamera) -> SimStation:
     """A fresh station over two standing antennas at y = 0.3 and −0.3 in the middle of the belt."""
     x = antenna_world.layout.belt.center_x
     antenna_world.reset([on_belt(antenna, x, y, standing(antenna)) for y in (0.3, -0.3)])
-    return SimStation(antenna_world, antenna_camera, LatestTruth())
+    return SimStation(antenna_world, wrist_camera, LatestTruth())

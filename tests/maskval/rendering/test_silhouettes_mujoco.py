@@ -39,7 +39,7 @@ def scene(mujoco: Any, arrays: shapes.Arrays) -> Any:
 
 def disagreement(shape: Callable[[], shapes.Arrays], poses: list[Pose]) -> tuple[int, int, int, list[float]]:
     """Pixels of our silhouettes, those that MuJoCo draws otherwise, those at the other pixel centre, depth errors."""
-    # The scene is another than the cell's, so this does without `sim.model.renderer`; `sim` has set MUJOCO_GL.
+    # The scene is another than the cell's, so this does without `sim.model.renderer`; conftest.py has set MUJOCO_GL.
     mujoco = import_module("mujoco")
     mesh = Mesh(*shape())
     model = scene(mujoco, shape())

@@ -1,6 +1,5 @@
 """Clutter: how near parts come to one another, and what distractors are to camera, networks and robot."""
 
-import contextlib
 from itertools import combinations
 
 import mujoco
@@ -16,13 +15,13 @@ from sim.model.clutter import CLEARANCES, DISTRACTOR_CLEARANCE, DISTRACTORS
 from sim.model.conditions import Conditions
 from sim.model.parts import PartModel
 from sim.model.placement import CLEARANCE, convex_outline, gap
-from sim.model.renderer import Renderer
 from sim.networks.ground_truth import LatestTruth
 from sim.networks.random_streams import Streams
 from sim.runtime.episode import starting_poses
 from sim.runtime.referee import SimReferee
 from sim.runtime.station import SimStation
 from sim.runtime.world import World
+from sim.runtime.wrist_camera import WristCamera
 from tests.sim.conftest import on_belt, standing
 
 PARTS = 6
@@ -84,8 +83,7 @@ def test_a_distractor_hides_a_part_and_is_no_part_itself(antenna: PartModel, clu
     joint = cluttered.mj_model.joint("distractor_0").qposadr[0]
     cluttered.data.qpos[joint : joint + 3] = [BELT.center_x, 0.4, 0.15]
     mujoco.mj_forward(cluttered.mj_model, cluttered.data)
-    with contextlib.closing(Renderer(cluttered.mj_model, 480, 640)) as camera:
-        numbers = camera.instance_ids(cluttered.data, "wrist")
+    numbers = WristCamera(cluttered).instance_ids([cluttered.X_CO(part) for part in range(PARTS)])
     whole = silhouette(antenna.part.mesh, cluttered.X_CO(0), cluttered.layout.camera, pixel_center=PIXEL_CENTER).mask
     hidden = whole & (numbers == NO_INSTANCE)
     assert hidden.sum() > 0.3 * whole.sum()
@@ -93,10 +91,10 @@ def test_a_distractor_hides_a_part_and_is_no_part_itself(antenna: PartModel, clu
 
 
 def test_striking_a_distractor_is_a_collision_with_a_part_and_touches_no_part(
-    antenna: PartModel, cluttered: World, antenna_camera: Renderer
+    antenna: PartModel, cluttered: World
 ) -> None:
     put(cluttered, antenna, Pose.from_translation(np.array([BELT.center_x - 0.12, 0.4, BELT.top_z + 0.021])))
-    station = SimStation(cluttered, antenna_camera, LatestTruth())
+    station = SimStation(cluttered, WristCamera(cluttered), LatestTruth())
     referee = SimReferee(cluttered, station)
     referee.attempt_begins(0)
     # A box that is suddenly where a finger is.

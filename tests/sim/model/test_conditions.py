@@ -1,7 +1,6 @@
 """Every disturbance does what its physics says, and nothing else."""
 
-from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import closing
 from dataclasses import fields
 
 import numpy as np
@@ -15,7 +14,6 @@ from sim.errors import ConditionsError
 from sim.instance_ids import NO_INSTANCE, PIXEL_CENTER
 from sim.model.conditions import RANGES, UNDISTURBED, Conditions
 from sim.model.parts import PartModel
-from sim.model.renderer import Renderer
 from sim.networks.estimators import make_estimators
 from sim.networks.ground_truth import LatestTruth
 from sim.networks.noise_model import load_noise
@@ -23,6 +21,7 @@ from sim.networks.random_streams import Streams
 from sim.runtime.episode import belt_under, starting_poses
 from sim.runtime.station import SimStation
 from sim.runtime.world import World
+from sim.runtime.wrist_camera import WristCamera
 from tests.sim.conftest import on_belt, standing
 
 X = Layout().belt.center_x
@@ -38,26 +37,16 @@ def world_of(antenna: PartModel, **knobs: object) -> World:
     return world
 
 
-@contextmanager
-def camera_of(world: World) -> Iterator[Renderer]:
-    camera = Renderer(world.mj_model, 480, 640)
-    try:
-        yield camera
-    finally:
-        camera.close()
-
-
 def images(world: World) -> Images:
     """RGB, depth and instance ids."""
-    with camera_of(world) as camera:
-        camera.rgb(world.data, "wrist")
-        return tuple(image(world.data, "wrist").copy() for image in (camera.rgb, camera.depth, camera.instance_ids))
+    with closing(WristCamera(world)) as camera:
+        camera.rgb()
+        return camera.rgb(), camera.depth(), camera.instance_ids([world.X_CO(0)])
 
 
 def seen_frame(world: World) -> tuple[Frame, LatestTruth]:
     latest_truth = LatestTruth()
-    with camera_of(world) as camera:
-        return SimStation(world, camera, latest_truth).take_frame(frozenset()), latest_truth
+    return SimStation(world, WristCamera(world), latest_truth).take_frame(frozenset()), latest_truth
 
 
 def estimated(world: World, model: PartModel) -> tuple[Frame, Pose]:
@@ -101,8 +90,7 @@ def test_the_picture_is_the_true_cameras(antenna: PartModel) -> None:
     world = world_of(antenna, focal_error_percent=3.0, principal_point_error_px=(12.0, -7.0))
     believed = world.layout.camera
     true = Pinhole(believed.fx * 1.03, believed.fy * 1.03, believed.cx + 12.0, believed.cy - 7.0, 640, 480)
-    with camera_of(world) as camera:
-        numbers = camera.instance_ids(world.data, "wrist")
+    numbers = WristCamera(world).instance_ids([world.X_CO(0)])
     expected = silhouette(antenna.part.mesh, world.X_CO(0), true, pixel_center=PIXEL_CENTER).mask
     assert expected.sum() > 2000
     assert (expected ^ (numbers == 0)).sum() <= 2
@@ -132,8 +120,7 @@ def test_the_estimate_with_a_wrong_camera_still_fits_the_mask(antenna: PartModel
     world = world_of(antenna, focal_error_percent=2.0, principal_point_error_px=(10.0, 10.0))
     frame, X_CO_est = estimated(world, antenna)
     believed = silhouette(antenna.part.mesh, X_CO_est, frame.camera, pixel_center=PIXEL_CENTER).mask
-    with camera_of(world) as camera:
-        shown = camera.instance_ids(world.data, "wrist") == 0
+    shown = WristCamera(world).instance_ids([world.X_CO(0)]) == 0
     # Perspective inside the part remains: 2 % of distance over its 60 mm of height at 0.6 m is 0.1 px per 50 px.
     assert (believed & shown).sum() / (believed | shown).sum() > 0.97
 
@@ -188,9 +175,8 @@ def test_mass_scales_weight_and_inertia(antenna: PartModel) -> None:
 
 def test_a_picture_arrives_by_the_latency_later_than_it_was_taken(antenna: PartModel) -> None:
     world = world_of(antenna, latency_s=0.7)
-    with camera_of(world) as camera:
-        station = SimStation(world, camera, LatestTruth())
-        frame = station.take_frame(frozenset())
+    station = SimStation(world, WristCamera(world), LatestTruth())
+    frame = station.take_frame(frozenset())
     assert frame.time == 0.0
     assert station.time == pytest.approx(0.7)
 

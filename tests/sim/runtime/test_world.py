@@ -1,4 +1,3 @@
-import contextlib
 import hashlib
 
 import mujoco
@@ -14,11 +13,11 @@ from maskval import Pose
 from sim.errors import DivergenceError
 from sim.model.parts import PartModel
 from sim.model.placement import place_parts
-from sim.model.renderer import Renderer
 from sim.networks.ground_truth import LatestTruth
 from sim.runtime.referee import SimReferee
 from sim.runtime.station import SimStation
 from sim.runtime.world import World
+from sim.runtime.wrist_camera import WristCamera
 from tests.sim.conftest import on_belt, standing
 
 TO_CONTAINER = np.radians([-80.0, 5.0, 10.0, -15.0, 0.0, 20.0])  # from home, about a transfer's way
@@ -98,10 +97,9 @@ def test_what_a_moving_belt_carries_over_its_end_falls_into_the_tray_and_counts_
     assert belt.top_z - 0.25 < fallen[2] < belt.top_z - 0.10
     assert fallen[1] < -belt.length / 2
     assert coming[1] - start == pytest.approx(-0.15 * 2.0, abs=2.5e-3)  # slip, see above
-    with contextlib.closing(Renderer(world.mj_model, 48, 64)) as camera:
-        referee = SimReferee(world, SimStation(world, camera, LatestTruth()))
-        assert [referee.is_on_belt(part) for part in range(2)] == [False, True]
-        assert referee.parts_on_belt() == 2
+    referee = SimReferee(world, SimStation(world, WristCamera(world), LatestTruth()))
+    assert [referee.is_on_belt(part) for part in range(2)] == [False, True]
+    assert referee.parts_on_belt() == 2
 
 
 def history(world: World, antenna: PartModel, seed: int) -> str:
