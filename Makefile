@@ -1,16 +1,16 @@
-# `make run` and `make test` do everything on a fresh machine: system libraries, virtual environment, install, job.
+# `make run` and `make test` do everything on a fresh machine: virtual environment, install, job.
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 OUT ?= out/compare
 READY := $(VENV)/.ready
 
-.PHONY: run test check study thresholds goldens picture clean
+.PHONY: run test check study thresholds goldens picture opengl clean
 
 run: $(READY)
 	$(BIN)/graspcell compare --gap fitted --thresholds paper --experiments 20 --out $(OUT)
 
-test: $(READY)
+test: $(READY) opengl
 	$(BIN)/python -m pytest -m "not study"
 
 check: $(READY)
@@ -29,16 +29,19 @@ goldens: $(READY)
 	$(BIN)/python -m tests.goldens
 
 # Measured trials of minutes: not part of `make test`. Those of learning need stable-baselines3 and torch.
-study: $(READY)
+study: $(READY) opengl
 	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[dev,learn]'
 	$(BIN)/python -m pytest -m study
 
 # The picture in the README.
-picture: $(READY)
+picture: $(READY) opengl
 	$(BIN)/graspcell picture --out docs/cell.png
 
-$(READY): pyproject.toml constraints.txt
+# The system's OpenGL libraries, which only pictures and their tests need.
+opengl:
 	sh .ci/system-libraries
+
+$(READY): pyproject.toml constraints.txt
 	$(PYTHON) -c 'import sys; sys.exit(None if sys.version_info >= (3, 11) else "Python 3.11 or newer is needed: make PYTHON=python3.12 ...")'
 	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[dev]'

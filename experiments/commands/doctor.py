@@ -17,13 +17,14 @@ from typing import Any
 
 _OLDEST = (3, 11)
 _LIBRARIES = {"egl": "libegl1 libgl1", "osmesa": "libosmesa6"}  # by the name that MUJOCO_GL takes
+_PICTURES = "needed for pictures only"
 _PATIENCE = 120  # s for a first picture; a machine under load takes some 5
 _WORKER = 0.75e9  # bytes that a process of compare takes; 0.72e9 was measured
 
 
 @dataclass(frozen=True)
 class Doctor:
-    """Check this machine: Python, packages, off-screen OpenGL, Numba's cache, cores and memory.
+    """Check this machine: Python, packages, Numba's cache, cores, memory, and the OpenGL that pictures need.
 
     Says what to type where something does not work. The exit code is 0 if everything that is needed works, else 1.
     """
@@ -65,14 +66,14 @@ def findings() -> Iterator[Finding]:
     oldest = ".".join(map(str, _OLDEST))
     yield Finding("python", sys.version_info >= _OLDEST, platform.python_version(), f"install Python {oldest} or newer")
     yield from _packages()
-    for name, libraries in _LIBRARIES.items():
-        yield _opengl(name, libraries)
     yield _numba_cache()
     cores, memory = len(os.sched_getaffinity(0)), os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
     yield Finding("cores", cores > 0, str(cores), "")
     fitting = max(1, int(memory / _WORKER))
     enough = fitting >= cores
     yield Finding("memory", enough, f"{memory / 2**30:.1f} GiB", f"--jobs {fitting} with every command", needed=False)
+    for name, libraries in _LIBRARIES.items():
+        yield _opengl(name, libraries)
 
 
 def _packages() -> Iterator[Finding]:
@@ -110,7 +111,10 @@ def _numbers(text: str) -> list[int]:
 
 
 def _opengl(name: str, libraries: str) -> Finding:
-    """Whether a picture can be rendered, tried in a process of its own: a broken library may crash it."""
+    """Whether a picture can be rendered, tried in a process of its own: a broken library may crash it.
+
+    Only pictures need it: commands of which the experiments are made run without.
+    """
     chosen = os.environ.get("MUJOCO_GL", "egl")
     remedy = f"sudo apt-get install {libraries}"
     if name == chosen:
@@ -126,10 +130,10 @@ def _opengl(name: str, libraries: str) -> Finding:
             check=False,
         )
     except subprocess.TimeoutExpired:
-        return Finding(f"OpenGL by {name}", False, f"no picture within {_PATIENCE} s", remedy, name == chosen)
+        return Finding(f"OpenGL by {name}", False, f"no picture within {_PATIENCE} s", remedy, needed=False)
     reason = (done.stderr.strip().splitlines() or [f"exit code {done.returncode}"])[-1]
     works = done.returncode == 0
-    return Finding(f"OpenGL by {name}", works, "renders" if works else reason, remedy, name == chosen)
+    return Finding(f"OpenGL by {name}", works, "renders" if works else f"{_PICTURES}; {reason}", remedy, needed=False)
 
 
 def _numba_cache() -> Finding:

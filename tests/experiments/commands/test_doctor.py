@@ -39,24 +39,22 @@ def test_a_machine_that_has_everything_is_told_so(
 
 
 @pytest.mark.parametrize(
-    ("working", "chosen", "code"),
-    [(("osmesa",), "egl", 1), (("egl",), "egl", 0), (("egl",), "osmesa", 1), ((), "egl", 1)],
+    ("working", "chosen"), [(("osmesa",), "egl"), (("egl",), "egl"), (("egl",), "osmesa"), ((), "egl")]
 )
-def test_opengl_that_does_not_work_is_named_with_what_to_type(
+def test_opengl_that_does_not_work_is_named_with_what_to_type_and_breaks_nothing(
     capsys: pytest.CaptureFixture[str],
     monkeypatch: pytest.MonkeyPatch,
     working: tuple[str, ...],
     chosen: str,
-    code: int,
 ) -> None:
     opengl(monkeypatch, *working, chosen=chosen)
     told = command(capsys, "doctor")
-    assert told.code == code
+    assert told.code == 0
     for name, library in (("egl", "libegl1 libgl1"), ("osmesa", "libosmesa6")):
-        mark = "ok" if name in working else "BROKEN" if name == chosen else "missing"
+        mark = "ok" if name in working else "missing"
         line = line_of(told.out, f"OpenGL by {name}")
         assert line.split()[0] == mark
-        assert ("no EGL here" in line) == (name not in working)
+        assert ("needed for pictures only; no EGL here" in line) == (name not in working)
         assert (f"sudo apt-get install {library}" in told.out) == (name not in working)
     other = {"egl": "osmesa", "osmesa": "egl"}[chosen]
     assert (f"if {other} works: export MUJOCO_GL={other}" in told.out) == (chosen not in working)
