@@ -12,7 +12,7 @@ from maskval import Pose
 from sim.errors import PlacementError
 from sim.model.bodies import FURNITURE_FRICTION, PART_SOLREF
 from sim.model.conditions import Clutter
-from sim.model.placement import CLEARANCE, DROP_HEIGHT, Polygon, gap
+from sim.model.placement import CLEARANCE, DROP_HEIGHT, Polygon, are_apart
 
 # Least distance between outlines, m. A finger is 21 mm thick: it fits between parts 55 mm apart, but hardly at 15 mm.
 CLEARANCES: dict[Clutter, float] = {"none": CLEARANCE, "close": 0.015, "touching": 0.0005, "distractors": CLEARANCE}
@@ -96,7 +96,7 @@ def place_distractors(
         for _ in range(_TRIES):
             place = rng.uniform(-room, room) + [belt.center_x, 0.0]
             outline = place + thing.radius * circle
-            if all(gap(outline, other) >= DISTRACTOR_CLEARANCE for other in outlines):
+            if all(are_apart(outline, other, DISTRACTOR_CLEARANCE) for other in outlines):
                 break
         else:
             raise PlacementError(f"no room for {len(things)} distractors among the parts; ask for fewer parts")

@@ -121,7 +121,7 @@ def _fill_belt(
             if leaning and outlines:
                 outline = _pushed_against(outline, outlines[int(rng.integers(len(outlines)))], clearance)
             offset = outline - footprints[side] @ turn.T
-            if np.all(np.abs(outline) <= room) and all(gap(outline, other) >= clearance for other in outlines):
+            if np.all(np.abs(outline) <= room) and all(are_apart(outline, other, clearance) for other in outlines):
                 break
         else:
             return None
@@ -141,6 +141,12 @@ def _lying(model: PartModel, side: int, turn: NDArray[np.float64], place: NDArra
     rotation[:2, :2] = turn
     x, y = place + [belt.center_x, 0.0]
     return Pose(rotation @ resting.rotation, np.array([x, y, belt.top_z + resting.height + DROP_HEIGHT]))
+
+
+def are_apart(one: Polygon, other: Polygon, clearance: float) -> bool:
+    """Whether two convex polygons are apart by a clearance, m: their boxes, or an axis along an edge, show it."""
+    boxes = np.maximum(other.min(axis=0) - one.max(axis=0), one.min(axis=0) - other.max(axis=0))
+    return bool(boxes.max() >= clearance) or gap(one, other) >= clearance
 
 
 def gap(one: Polygon, other: Polygon) -> float:
