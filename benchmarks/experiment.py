@@ -1,97 +1,85 @@
-"""`python -m benchmarks.experiment`: how much faster than real time an experiment runs on a core, and where time goes.
+"""`python -m benchmarks.experiment --base FOLDER`: experiments of this tree and of another commit's, in turns.
 
-Prints process time (what the core worked) beside wall time (which also waits for others on a shared machine). Each
-stage is timed inside of the run; what no stage claims is Python around them.
+`git worktree add FOLDER COMMIT` makes the other. Prints process time per simulated second, medians, and their ratio;
+the clock of a shared machine says little. `graspcell bench` says where the time goes.
 """
 
 import argparse
+import json
 import os
 import statistics
+import subprocess
 import sys
 import time
-from collections import defaultdict
-from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
-from experiments.setup.experiment import ExperimentSpec, kept_cell, run_experiment
-from experiments.setup.thresholds import load_thresholds
-
-STAGES = {  # name: (module, class or None, function)
-    "physics": ("mujoco", None, "mj_step"),
-    "instance ids": ("sim.runtime.wrist_camera", "WristCamera", "instance_ids"),
-    "masks": ("sim.networks.estimators", "NoisyMasks", "detect"),
-    "poses": ("sim.networks.estimators", "NoisyPoses", "estimate"),
-    "uncertainty": ("cell.perception", "Perception", "uncertainties"),
-    "joint moves": ("cell.motion", None, "joint_move"),
-    "lines with inverse kinematics": ("cell.motion", None, "line_move"),
-    "logs": ("experiments.results.recorder", "Recorder", "__call__"),
-}
-
-
-def timed(function: Callable[..., Any], stage: str, spent: dict[str, float]) -> Callable[..., Any]:
-    """The function, adding its process time to `spent`."""
-
-    def wrapper(*arguments: Any, **options: Any) -> Any:
-        begin = time.process_time()
-        try:
-            return function(*arguments, **options)
-        finally:
-            spent[stage] += time.process_time() - begin
-
-    return wrapper
-
-
-def instrument(spent: dict[str, float]) -> None:
-    """Puts a timer around every stage."""
-    for stage, (module, owner, name) in STAGES.items():
-        place = sys.modules[module] if owner is None else getattr(sys.modules[module], owner)
-        setattr(place, name, timed(getattr(place, name), stage, spent))
+HERE = Path(__file__).resolve().parents[1]
 
 
 def main() -> None:
     """Runs the experiments and prints the table."""
     parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--base", type=Path, required=True, help="the other tree")
     parser.add_argument("--experiments", type=int, default=5, help="experiments per object")
-    parser.add_argument("--method", default="maskval")
+    parser.add_argument("--belt-speed", type=float, default=0.0, help="m/s")
+    parser.add_argument("--work", action="store_true", help=argparse.SUPPRESS)
     arguments = parser.parse_args()
-    core = min(os.sched_getaffinity(0))
-    os.sched_setaffinity(0, {core})
+    if arguments.work:
+        return work(arguments.belt_speed)
+    trees = {"base": arguments.base.resolve(), "this": HERE}
+    workers = {name: started(tree, arguments.belt_speed) for name, tree in trees.items()}
+    print(f"times real time on one core, medians of {arguments.experiments} experiments")
+    print(f"{'object':10}{'base':>10}{'this':>10}{'ratio':>10}")
+    for part in ("antenna", "handle"):
+        speeds: dict[str, list[float]] = {name: [] for name in trees}
+        for experiment in range(-1, arguments.experiments):  # the first, once more, only warms up
+            for name, worker in workers.items():
+                speed = asked(worker, part, max(0, experiment))
+                if experiment >= 0:
+                    speeds[name].append(speed)
+        base, this = (statistics.median(speeds[name]) for name in trees)
+        ratios = [b / a for a, b in zip(speeds["base"], speeds["this"], strict=True)]
+        print(f"{part:10}{base:10.1f}{this:10.1f}{statistics.median(ratios):10.2f}", flush=True)
+    for worker in workers.values():
+        worker.stdin.close()
+        worker.wait()
+    return None
+
+
+def started(tree: Path, belt_speed: float) -> Any:
+    """A process that runs experiments of a tree."""
+    command = [sys.executable, str(Path(__file__).resolve()), "--work", "--base", ".", "--belt-speed", str(belt_speed)]
+    environment = {**os.environ, "PYTHONPATH": str(tree), "MUJOCO_GL": "egl"}
+    return subprocess.Popen(command, cwd=tree, env=environment, stdin=-1, stdout=-1, text=True)
+
+
+def asked(worker: Any, part: str, experiment: int) -> float:
+    """How many times faster than real time an experiment ran in a worker."""
+    worker.stdin.write(json.dumps([part, experiment]) + "\n")
+    worker.stdin.flush()
+    return float(worker.stdout.readline())
+
+
+def work(belt_speed: float) -> None:
+    """Runs the experiments that come on standard input, of the tree that Python imports from."""
+    sys.path[0] = os.environ["PYTHONPATH"]  # instead of this file's folder
+    try:
+        from experiments.setup.experiment import ExperimentSpec, run_experiment  # noqa: PLC0415
+        from experiments.setup.thresholds import load_thresholds  # noqa: PLC0415
+        from sim.model.conditions import Conditions  # noqa: PLC0415
+    except ImportError:  # as it was up to commit 5640738
+        from experiments.experiment import ExperimentSpec, run_experiment  # noqa: PLC0415
+        from experiments.thresholds import load_thresholds  # noqa: PLC0415
+        from sim.conditions import Conditions  # noqa: PLC0415
     thresholds = load_thresholds("paper")
-    load = os.getloadavg()[0]
-    print(f"one core, load {load:.1f} at the start, {arguments.experiments} experiments of 8 parts each, medians")
-    specs = {
-        part: [
-            ExperimentSpec(part, arguments.method, "noisy", thresholds, "ur-default", 8, 0, experiment)
-            for experiment in range(arguments.experiments)
-        ]
-        for part in ("antenna", "handle")
-    }
-    for group in specs.values():
-        run_experiment(group[0])  # compiles kernels and opens the renderer
-    bare = {part: [measure(spec) for spec in group] for part, group in specs.items()}
-    spent: dict[str, float] = defaultdict(float)
-    instrument(spent)
-    for part, group in specs.items():
-        simulated, worked, waited = (statistics.median(column) for column in zip(*bare[part], strict=True))
-        print(
-            f"\n{part}: {simulated:.1f} s simulated, {worked:.2f} s of process time "
-            f"({simulated / worked:.0f} × real time), {waited:.2f} s on the wall ({simulated / waited:.0f} ×)"
-        )
-        spent.clear()
-        total = sum(measure(spec)[1] for spec in group)
-        for stage in STAGES:
-            print(f"    {100 * spent[stage] / total:5.1f} %  {stage}")
-        print(f"    {100 * (1 - sum(spent.values()) / total):5.1f} %  Python around them")
-    kept_cell.cache_clear()
-
-
-def measure(spec: ExperimentSpec) -> tuple[float, float, float]:
-    """Simulated seconds, process time and wall time of one experiment, s."""
-    worked, waited = time.process_time(), time.perf_counter()
-    result = run_experiment(spec)
-    if result.count is None:
-        raise RuntimeError(f"the experiment failed: {result.failure}")
-    return result.count.duration, time.process_time() - worked, time.perf_counter() - waited
+    for line in sys.stdin:
+        part, experiment = json.loads(line)
+        conditions = Conditions(belt_speed=belt_speed)
+        spec = ExperimentSpec(part, "maskval", "noisy", thresholds, "ur-default", 8, 0, experiment, conditions)
+        begin = time.process_time()
+        result = run_experiment(spec)
+        print(result.count.duration / (time.process_time() - begin), flush=True)
 
 
 if __name__ == "__main__":

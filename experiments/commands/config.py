@@ -176,6 +176,8 @@ class Bench:
     """Uncertainty method."""
     experiments: int = 3
     """Experiments per object."""
+    parts: int = 8
+    """Parts on the belt per experiment; 1 to 8."""
     jobs: int = 2
     """Processes that are compared with one."""
     seed: int = 0
@@ -188,7 +190,13 @@ class Bench:
             UsageError: an invalid argument.
         """
         all_at_least(self, experiments=1, jobs=1)
-        compare = Compare(objects=self.objects, methods=(self.method,), experiments=self.experiments, seed=self.seed)
+        compare = Compare(
+            parts=self.parts,
+            seed=self.seed,
+            objects=self.objects,
+            methods=(self.method,),
+            experiments=self.experiments,
+        )
         specs = compare.specs()
         return {part: [spec for spec in specs if spec.part == part] for part in self.objects}
 
