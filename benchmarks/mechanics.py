@@ -4,7 +4,6 @@ Runs one experiment with exact estimates per part and prints the largest distanc
 in every motion, and the largest movement of any point of a part between the jaws from lifting to letting go.
 """
 
-from collections.abc import Iterable, Iterator
 from statistics import median
 
 import numpy as np
@@ -17,10 +16,9 @@ from cell.ur10 import forward
 from experiments.setup.experiment import ExperimentSpec, kept_cell, run_experiment
 from experiments.setup.thresholds import load_thresholds
 from maskval import Pose
+from sim.model.robot import JOINTS
 from sim.networks.ground_truth import LatestTruth
 from sim.runtime.station import SimStation
-
-Setpoint = NDArray[np.float64]  # joint angles, speeds and accelerations, (3, 6)
 
 tool_errors: list[float] = []  # m, one per motion
 stations: list["ObservedStation"] = []
@@ -32,19 +30,22 @@ class ObservedStation(SimStation):
     def __init__(self, *arguments: object) -> None:
         super().__init__(*arguments)  # type: ignore[arg-type]
         stations.append(self)
+        model = self._world.mj_model
+        self._positions = [model.actuator_ctrladr[model.actuator(name).id] for name in JOINTS]
 
-    def _run(self, setpoints: Iterable[Setpoint | None], watch: frozenset[Touch]) -> Contact | None:
-        errors: list[float] = []
-        X_FT = self._world.layout.gripper.X_FT
+    def _run(self, setpoints: NDArray[np.float64], watch: frozenset[Touch]) -> Contact | None:
+        world, errors = self._world, list[float]()
+        X_FT, before = world.layout.gripper.X_FT, [world.q]
 
-        def observed() -> Iterator[Setpoint | None]:
-            for setpoint in setpoints:
-                if setpoint is not None:
-                    wanted = (forward(setpoint[0]) @ X_FT).translation
-                    errors.append(float(np.linalg.norm((forward(self.q) @ X_FT).translation - wanted)))
-                yield setpoint
+        def observe() -> None:
+            wanted = world.data.ctrl[self._positions]
+            tools = [(forward(q) @ X_FT).translation for q in (before[0], wanted)]
+            errors.append(float(np.linalg.norm(tools[0] - tools[1])))
+            before[0] = world.q
 
-        contact = super()._run(observed(), watch)
+        world.on_step = observe
+        contact = super()._run(setpoints, watch)
+        world.on_step = None
         if errors:
             tool_errors.append(max(errors))
         return contact
