@@ -50,8 +50,8 @@ _LINKS = (
 )
 
 # Damped by 0.9 to 1 of the critical k_v = 2 √(k_p I), for the inertia I that a joint moves. The setpoint's speed and
-# torque are fed forward: a plain position servo lags by k_v/k_p (60 mm at full speed), and by M q̈/k_p in acceleration (2 mm).
-# Stable in all positions: Euler's explicit damping holds while dt K_v + dt²/2 K_p < 2 M, and M is more than the
+# torque are fed forward. A plain position servo lags by k_v/k_p (60 mm at full speed), and by M q̈/k_p in acceleration
+# (2 mm). Stable in all positions: Euler's explicit damping holds while dt K_v + dt²/2 K_p < 2 M, and M is more than the
 # armature.
 _SERVO_KP = np.array([40000.0, 40000.0, 24000.0, 6000.0, 6000.0, 6000.0])  # N m/rad
 _SERVO_KV = np.array([900.0, 900.0, 490.0, 78.0, 78.0, 69.0])  # N m s/rad
