@@ -41,7 +41,7 @@ class Estimates:
     X_BC: Pose | None = None
 
     def __post_init__(self) -> None:
-        masks, scores = np.array(self.masks), np.array(self.scores, dtype=np.float64)
+        masks, scores = _kept(self.masks), np.array(self.scores, dtype=np.float64)
         size = (self.camera.height, self.camera.width)
         if masks.dtype != np.bool_ or masks.ndim != 3 or masks.shape[1:] != size:
             raise InvalidEstimatesError(
@@ -66,6 +66,12 @@ class Estimates:
 
     def __len__(self) -> int:
         return len(self.masks)
+
+
+def _kept(masks: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """The masks, copied unless nobody can write to them."""
+    array = np.asarray(masks)
+    return np.array(array) if array.flags.writeable or array.base is not None else array
 
 
 def _depth(image: NDArray[np.float32], size: tuple[int, int]) -> NDArray[np.float32]:

@@ -141,10 +141,14 @@ def _judge(image: GeneratedImage, found: ImageEstimates, methods: dict[str, Unce
         np.inf if X_true is None else mdd(X_est, X_true, mesh.vertices)
         for X_est, X_true in zip(first, shown, strict=True)
     )
+    masks = np.empty((len(first), camera.height, camera.width), dtype=np.bool_)
+    for mask, one in zip(masks, found.detections, strict=True):
+        mask[:] = one.mask
+    masks.setflags(write=False)
     estimates = Estimates(
         camera=camera,
         mesh=mesh,
-        masks=np.array([one.mask for one in found.detections], dtype=np.bool_).reshape(-1, camera.height, camera.width),
+        masks=masks,
         poses=found.poses,
         scores=np.array([one.score for one in found.detections]),
         pixel_center=PIXEL_CENTER,

@@ -9,10 +9,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple, Self
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
-from pycocotools import mask as run_lengths
 from pycocotools.coco import COCO
 from pycocotools.cocoeval import COCOeval
 
@@ -65,9 +63,54 @@ class Matches:
         )
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class PackedBits:
+    """A mask: its rows from the first to the last that is not empty, eight pixels in a byte.
+
+    Attributes:
+        top: the first row.
+        rows: (R, W / 8).
+        area_px: how many pixels it has.
+    """
+
+    top: int
+    rows: NDArray[np.uint8]
+    area_px: int
+
+    @classmethod
+    def pack(cls, mask: Mask) -> Self:
+        """The bits of a mask, (H, W)."""
+        filled = np.flatnonzero(mask.any(axis=1))
+        top, bottom = (int(filled[0]), int(filled[-1]) + 1) if len(filled) else (0, 0)
+        rows = np.packbits(mask[top:bottom], axis=1)
+        return cls(top, rows, int(np.bitwise_count(rows).sum(dtype=np.int64)))
+
+    def iou(self, other: Self, *, crowd: bool) -> float:
+        """Intersection over union, or over this mask if the other one is a crowd; 0 where they do not meet."""
+        first, last = max(self.top, other.top), min(self.top + len(self.rows), other.top + len(other.rows))
+        if first >= last:
+            return 0.0
+        both = self.rows[first - self.top : last - self.top] & other.rows[first - other.top : last - other.top]
+        shared = int(np.bitwise_count(both).sum(dtype=np.int64))
+        return shared / (self.area_px if crowd else self.area_px + other.area_px - shared) if shared else 0.0
+
+
+class _Evaluation(COCOeval):  # type: ignore[misc]  # pycocotools has no types
+    """COCO's evaluation of masks that are bits: run lengths take ten times as long to make and to compare."""
+
+    def computeIoU(self, imgId: int, catId: int) -> Any:  # pycocotools' names
+        """See COCOeval: one row per detection, the best scores first, and one column per part."""
+        truths, found = self._gts[imgId, catId], self._dts[imgId, catId]
+        order = np.argsort([-row["score"] for row in found], kind="mergesort")[: self.params.maxDets[-1]]
+        if not (truths and found):
+            return []
+        ious = [[found[i]["bits"].iou(truth["bits"], crowd=bool(truth["iscrowd"])) for truth in truths] for i in order]
+        return np.array(ious)
+
+
 @dataclass(slots=True)
 class Annotations:
-    """Masks of images, collected as run lengths."""
+    """Masks of images, collected as bits."""
 
     images: int = 0
     truths: list[dict[str, Any]] = field(default_factory=list)
@@ -88,14 +131,13 @@ class Annotations:
             self.found.append(self._row(len(self.found), mask) | {"score": score})
 
     def _row(self, index: int, mask: Mask) -> dict[str, Any]:
-        encoded = run_lengths.encode(cv2.transpose(mask.view(np.uint8)).T)  # column by column
-        area = int(np.count_nonzero(mask))
-        return {"id": index + 1, "image_id": self.images, "category_id": 1, "area": area, "segmentation": encoded}
+        bits = PackedBits.pack(mask)
+        return {"id": index + 1, "image_id": self.images, "category_id": 1, "area": bits.area_px, "bits": bits}
 
     def evaluation(self) -> Any:
         """COCO's evaluation of one category, all sizes and 100 detections, matched but not accumulated."""
         with contextlib.redirect_stdout(io.StringIO()):  # it talks
-            evaluation = COCOeval(self._coco(self.truths), self._coco(self.found), "segm")
+            evaluation = _Evaluation(self._coco(self.truths), self._coco(self.found), "bbox")  # its boxes are not asked
             evaluation.params.areaRng, evaluation.params.areaRngLbl = [[0, 1e10]], ["all"]
             evaluation.params.maxDets = [_MOST]
             evaluation.evaluate()
@@ -103,8 +145,7 @@ class Annotations:
 
     def _coco(self, rows: list[dict[str, Any]]) -> Any:
         coco = COCO()
-        # pycocotools looks at the images' sizes, but does not use them for run lengths.
-        images = [{"id": image + 1, "height": 0, "width": 0} for image in range(self.images)]
+        images = [{"id": image + 1} for image in range(self.images)]
         coco.dataset = {"images": images, "categories": [{"id": 1}], "annotations": rows}
         coco.createIndex()
         return coco

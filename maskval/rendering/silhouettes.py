@@ -118,6 +118,32 @@ def silhouette_iou(
     return (iou[:, 0] if paired else iou), seen / np.maximum(whole, 1)
 
 
+def silhouette_areas(
+    mesh: Mesh,
+    poses: Sequence[Pose],
+    camera: Camera,
+    *,
+    pixel_center: float = 0.0,
+    canvas: Canvas = "full",
+    implementation: Implementation = "numba",
+) -> NDArray[np.int64]:
+    """Pixels of each whole silhouette, those outside of the image included, and of its part in the image, (N, 2).
+
+    Args:
+        mesh: The object.
+        poses: N poses X_CO.
+        camera: Intrinsics and image size.
+        pixel_center: Where pixel i is sampled, u = i + pixel_center: 0 for OpenCV, 0.5 for OpenGL, MuJoCo and BOP.
+        canvas: Where the whole silhouette is counted: "full", or "3x3" images, as BOP does.
+        implementation: "numba", or the slower "numpy" of the same result, which compiles nothing.
+    """
+    view = views(mesh.edges, poses, camera, pixel_center=pixel_center, canvas=canvas)
+    no_masks = np.empty((0, camera.height, -(-camera.width // 64)), dtype=np.uint64)
+    no_masks.setflags(write=False)
+    areas, _ = _kernel(implementation).measure(mesh.edges, view, no_masks, False)
+    return areas
+
+
 def silhouette_boxes(
     mesh: Mesh,
     poses: Sequence[Pose],

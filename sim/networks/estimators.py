@@ -62,7 +62,8 @@ def detect_part(truth: FrameTruth, part: int, latents: MaskLatents, noise: MaskN
         noise: The detector's error model.
     """
     visible = truth.mask(part)
-    neighbors = (truth.instance_ids != NO_INSTANCE) & ~visible
+    neighbors = truth.instance_ids != NO_INSTANCE
+    neighbors ^= visible
     return noisy_detection(visible, neighbors, float(truth.visibility[part]), latents, noise)
 
 

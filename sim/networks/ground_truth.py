@@ -7,8 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cell.interfaces import Detection, Frame
-from maskval import Camera, Mesh, Pose, silhouette
-from sim.instance_ids import NO_INSTANCE, PIXEL_CENTER, shown_part
+from maskval import Camera, Mesh, Pose
+from maskval.rendering.silhouettes import silhouette_areas
+from sim.instance_ids import NO_INSTANCE, PIXEL_CENTER
+from sim.networks.mask_kernels import histogram
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,20 +46,23 @@ class FrameTruth:
 
     @cached_property
     def _shares(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        whole = [silhouette(self.mesh, X_CO, self.camera, pixel_center=PIXEL_CENTER) for X_CO in self.X_CO_true]
-        seen_px = np.bincount(self.instance_ids.ravel() + 1, minlength=len(whole) + 1)[1:]
+        whole, inside = silhouette_areas(self.mesh, self.X_CO_true, self.camera, pixel_center=PIXEL_CENTER).T
         shares = (
-            np.minimum(1.0, seen_px / np.maximum(1, [one.area_px for one in whole])),
-            np.array([one.visibility for one in whole]),
+            np.minimum(1.0, self._seen_px / np.maximum(1, whole)),
+            inside / np.maximum(1, whole),
         )
         for array in shares:
             array.setflags(write=False)
         return shares
 
+    @cached_property
+    def _seen_px(self) -> NDArray[np.int64]:
+        """Pixels that show each part, (P,)."""
+        return np.array([np.count_nonzero(self.instance_ids == part) for part in range(len(self.X_CO_true))], np.int64)
+
     def visible_parts(self) -> list[int]:
         """Parts with at least one pixel, in the order of their numbers."""
-        pixels = np.bincount(self.instance_ids.ravel() + 1)  # the first bin counts the pixels without a part
-        return [int(part) for part in np.flatnonzero(pixels[1:])]
+        return [int(part) for part in np.flatnonzero(self._seen_px)]
 
     def mask(self, part: int) -> NDArray[np.bool_]:
         """The pixels that show the part, (H, W)."""
@@ -95,6 +100,17 @@ class FrameTruth:
     def shown_by(self, mask: NDArray[np.bool_]) -> int:
         """The part that most of a mask's pixels show, or `NO_INSTANCE`."""
         return shown_part(self.instance_ids, mask)
+
+
+def shown_part(instance_ids: NDArray[np.int8], mask: NDArray[np.bool_]) -> int:
+    """The part that most of a mask's pixels show, or `NO_INSTANCE`.
+
+    Args:
+        instance_ids: The part that each pixel shows, (H, W); `NO_INSTANCE` where it shows none.
+        mask: (H, W).
+    """
+    pixels = histogram(instance_ids.ravel(), mask.ravel())
+    return int(pixels.argmax()) if pixels.any() else NO_INSTANCE
 
 
 class LatestTruth:

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from scipy.special import ndtr
 
 from cell.interfaces import Detection
+from sim.networks.mask_kernels import fill_positive, overlap, sample, signed
 from sim.networks.noise_model import MaskNoise
 
 CELLS = 28  # the side of Mask R-CNN's mask head
@@ -93,10 +94,10 @@ def noisy_detection(
         distance += scale * noise.leak_cells * _nearness(neighbors, box)
     _drop_piece(distance, latents.drop, noise)
     mask = paste(distance, box, visible.shape)
-    union = np.count_nonzero(mask | visible)
-    if not mask.any():
+    found, shown, shared = overlap(mask.ravel(), visible.ravel())
+    if not found:
         return None
-    iou = np.count_nonzero(mask & visible) / union
+    iou = shared / (found + shown - shared)
     mask.setflags(write=False)
     return Detection(mask, min(1.0, max(0.0, iou + noise.score_sd * latents.score)))
 
@@ -163,12 +164,13 @@ def cell_distance(mask: Mask, box: Box) -> NDArray[np.float32]:
         mask: (H, W).
         box: What the grid covers.
     """
-    inside = (_sampled(mask.view(np.uint8), box) > 127).astype(np.uint8)
-    to_outside = cv2.distanceTransform(inside, cv2.DIST_L2, cv2.DIST_MASK_5)
-    to_inside = cv2.distanceTransform(1 - inside, cv2.DIST_L2, cv2.DIST_MASK_5)
-    # Distances run from sample to sample: the outline lies half a sample before the first one beyond it.
-    fine = np.where(inside > 0, to_outside - 0.5, 0.5 - to_inside)[_FINE * _MARGIN : -_FINE * _MARGIN]
-    fine = np.clip(fine[:, _FINE * _MARGIN : -_FINE * _MARGIN] / _FINE, -CELLS, CELLS)
+    outside = (_sampled(mask.view(np.uint8), box) <= 127).view(np.uint8)
+    to_outside, to_inside = (
+        np.asarray(cv2.distanceTransform(side, cv2.DIST_L2, cv2.DIST_MASK_5), dtype=np.float32)
+        for side in (1 - outside, outside)
+    )
+    inner = slice(_FINE * _MARGIN, -_FINE * _MARGIN)
+    fine = signed(to_outside[inner, inner], to_inside[inner, inner], _FINE, CELLS)
     distance: NDArray[np.float32] = np.asarray(
         cv2.resize(fine, (CELLS, CELLS), interpolation=cv2.INTER_AREA), np.float32
     )
@@ -191,7 +193,7 @@ def paste(distance: NDArray[np.float32], box: Box, shape: tuple[int, ...]) -> Ma
     if u1 > u0 and v1 > v0:
         u = (np.arange(u0, u1, dtype=np.float64) + 0.5 - left) * (CELLS / (right - left)) - 0.5
         v = (np.arange(v0, v1, dtype=np.float64) + 0.5 - top) * (CELLS / (bottom - top)) - 0.5
-        mask[v0:v1, u0:u1] = _bilinear(distance.astype(np.float64), u, v) > 0.0
+        fill_positive(distance.astype(np.float64), u, v, mask[v0:v1, u0:u1])
     return mask
 
 
@@ -231,34 +233,10 @@ def _drop_piece(distance: NDArray[np.float32], latents: Array, noise: MaskNoise)
 def _sampled(image: NDArray[np.uint8], box: Box) -> NDArray[np.uint8]:
     """The box and its margin in samples, _FINE per cell; a pixel of 1 becomes 255."""
     left, top, right, bottom = box
-    place = np.arange(-_MARGIN * _FINE, (CELLS + _MARGIN) * _FINE) + 0.5
+    place: Array = np.arange(-_MARGIN * _FINE, (CELLS + _MARGIN) * _FINE, dtype=np.float64) + 0.5
     u = left + place * ((right - left) / (CELLS * _FINE)) - 0.5
     v = top + place * ((bottom - top) / (CELLS * _FINE)) - 0.5
-    # Only what is sampled is interpolated.
-    u0, u1 = max(0, math.floor(u[0])), max(1, math.ceil(u[-1]) + 1)
-    v0, v1 = max(0, math.floor(v[0])), max(1, math.ceil(v[-1]) + 1)
-    shown = image[v0:v1, u0:u1].astype(np.float64)
-    samples: NDArray[np.uint8] = np.rint(255.0 * _bilinear(shown, u - u0, v - v0)).astype(np.uint8)
-    return samples
-
-
-def _bilinear(image: Array, u: Array, v: Array) -> Array:
-    """The image at all columns u and rows v, (V, U), px, pixel i at i; beyond its border as at its border.
-
-    OpenCV's result hangs in its last bits on the processor; this one's does not.
-    """
-    return _between(np.ascontiguousarray(_between(image.T, u).T), v)
-
-
-def _between(rows: Array, place: Array) -> Array:
-    """The rows at places between them, (P, W), linear."""
-    last = len(rows) - 1
-    below = np.clip(np.floor(place), 0, last).astype(np.intp)
-    share = np.clip(place - below, 0.0, 1.0)[:, np.newaxis]
-    mixed: Array = np.diff(rows, axis=0, append=rows[-1:])[below]
-    mixed *= share
-    mixed += rows[below]
-    return mixed
+    return sample(image, u, v)
 
 
 @cache

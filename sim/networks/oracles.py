@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from maskval import Estimates, MaskVal, mdd
-from sim.instance_ids import NO_INSTANCE, shown_part
-from sim.networks.ground_truth import LatestTruth
+from sim.instance_ids import NO_INSTANCE
+from sim.networks.ground_truth import LatestTruth, shown_part
 
 ERROR_THRESHOLD_M = 0.015  # the paper's e_t for its robot
 
@@ -53,6 +53,9 @@ class OracleMask:
         """MaskVal's u with the true masks, (N,), in [0, 1]."""
         truth = self.latest_truth.newest
         parts = [shown_part(truth.instance_ids, mask) for mask in estimates.masks]
-        nothing = np.zeros_like(truth.instance_ids, dtype=np.bool_)
-        masks = [nothing if part == NO_INSTANCE else truth.mask(part) for part in parts]
-        return MaskVal()(replace(estimates, masks=np.array(masks).reshape(estimates.masks.shape).astype(np.bool_)))
+        masks = np.zeros(estimates.masks.shape, dtype=np.bool_)
+        for mask, part in zip(masks, parts, strict=True):
+            if part != NO_INSTANCE:
+                np.equal(truth.instance_ids, part, out=mask)
+        masks.setflags(write=False)
+        return MaskVal()(replace(estimates, masks=masks))

@@ -4,6 +4,7 @@ import io
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from pycocotools import mask as run_lengths
 
 from experiments.dataset.coco import Annotations, MaskFigures, Matches, mask_figures
 
@@ -40,6 +41,20 @@ def test_the_figures_are_those_of_pycocotools() -> None:
     found = mask_figures(collected.matches())
     assert found == pytest.approx(by_pycocotools(collected), abs=1e-12)
     assert 0.2 < (found.ap_50_95 or 0) < (found.ap_50 or 0) < 1
+
+
+def test_the_overlaps_are_those_of_pycocotools_run_lengths() -> None:
+    rng = np.random.default_rng(3)
+    truths = [(disc(u, v, 8), u != 50) for u, v in ((14, 15), (32, 30), (50, 15))] + [(np.zeros((48, 64), bool), True)]
+    found = [(disc(*rng.uniform((0, 0), (64, 48)), rng.uniform(3, 20)), float(rng.uniform())) for _ in range(12)]
+    collected = Annotations()
+    collected.add(truths, found)
+    encoded, kinds = [], [int(not annotated) for _, annotated in truths]
+    for masks in ([mask for mask, _ in sorted(found, key=lambda one: -one[1])], [mask for mask, _ in truths]):
+        encoded.append([run_lengths.encode(np.asfortranarray(mask.astype(np.uint8))) for mask in masks])
+    expected = run_lengths.iou(*encoded, kinds)
+    assert np.count_nonzero(expected) > 10
+    np.testing.assert_array_equal(collected.evaluation().ious[1, 1], expected)
 
 
 def test_a_weight_is_as_many_copies_of_an_image() -> None:

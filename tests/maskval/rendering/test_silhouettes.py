@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from maskval import Camera, InvalidMaskError, Mesh, PackedMasks, Pose, silhouette, silhouette_iou
+from maskval.rendering.silhouettes import silhouette_areas
 from maskval.rendering.views import FULL_MARGIN_PX, NEAR_M
 from tests.maskval import shapes
 from tests.maskval.rasteriser import rasterise
@@ -188,3 +189,15 @@ def test_importing_maskval_does_not_import_numba() -> None:
         subprocess.run([sys.executable, "-c", code], env={**os.environ, "PYTHONPATH": root}, check=False).returncode
         == 0
     )
+
+
+@both
+def test_areas_are_those_of_the_silhouettes(implementation) -> None:
+    mesh = Mesh(*shapes.torus())
+    poses = [*shapes.random_poses(seed=41, count=6, reach=0.4), Pose.from_translation((0, 0, -1))]
+    found = silhouette_areas(mesh, poses, VGA, pixel_center=0.5, implementation=implementation)
+    each = [silhouette(mesh, X_CO, VGA, pixel_center=0.5) for X_CO in poses]
+    assert found.tolist() == [[one.area_px, np.count_nonzero(one.mask)] for one in each]
+    assert found[-1].tolist() == [0, 0]
+    assert (found[:, 0] > found[:, 1]).any()
+    assert silhouette_areas(mesh, [], VGA, implementation=implementation).shape == (0, 2)
