@@ -1,14 +1,19 @@
 """Binary masks: checking, packing to bits, and COCO's run lengths."""
 
 import operator
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Self
+from functools import cache
+from importlib import import_module
+from typing import Any, Literal, Self, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from maskval.errors import InvalidMaskError
+
+Implementation = Literal["numba", "numpy"]
+Packed = tuple[NDArray[np.uint64], NDArray[np.int64], bool]
 
 # No camera has as many: a size beyond it is a broken file, which must not make anything allocate it.
 MAXIMUM_PIXELS = 2**28
@@ -43,38 +48,57 @@ class PackedMasks:
             raise InvalidMaskError(
                 f"words must be uint64 of shape (K, H, {-(-self.width // 64)}), but are {words.dtype} of {words.shape}"
             )
-        areas = np.bitwise_count(words).sum(axis=(1, 2), dtype=np.int64)
-        for name, array in (("words", words), ("areas_px", areas)):
-            array.setflags(write=False)
-            object.__setattr__(self, name, array)
+        self._freeze(words, np.bitwise_count(words).sum(axis=(1, 2), dtype=np.int64))
 
     def __reduce__(self) -> tuple[type[Self], tuple[NDArray[np.uint64], int]]:
         # What comes out of a pickle is not writeable either: Numba would compile the kernel anew for arrays that are.
         return type(self), (self.words, self.width)
 
+    def _freeze(self, words: NDArray[np.uint64], areas_px: NDArray[np.int64]) -> None:
+        words.setflags(write=False)
+        areas_px.setflags(write=False)
+        object.__setattr__(self, "words", words)
+        object.__setattr__(self, "areas_px", areas_px)
+
     @classmethod
-    def pack(cls, masks: NDArray[Any]) -> Self:
+    def pack(cls, masks: NDArray[Any], *, implementation: Implementation = "numba") -> Self:
         """The packed form of binary masks.
 
         Args:
             masks: (K, H, W) or one mask (H, W), bool, or uint8 of 0 and 1.
+            implementation: "numba", or the slower "numpy" of the same result, which compiles nothing.
 
         Raises:
             InvalidMaskError: If the shape, the type or a value is another.
         """
-        stack = _binary(masks, dimensions=(2, 3))
-        if stack.ndim == 2:
-            stack = stack[None]
-        count, height, width = stack.shape
-        packed = np.zeros((count, height, -(-width // 64) * 8), dtype=np.uint8)
-        packed[:, :, : -(-width // 8)] = np.packbits(stack, axis=-1, bitorder="little")
-        return cls(packed.view("<u8").astype(np.uint64, copy=False), width)
+        stack = _mask_array(masks, dimensions=(2, 3))
+        height, width = stack.shape[-2:]
+        pixels = np.ascontiguousarray(stack).reshape(-1).view(np.uint8)
+        pixels.setflags(write=False)  # one type for Numba
+        words, areas_px, is_binary = _packer(implementation)(
+            pixels, (len(stack) if stack.ndim == 3 else 1, height, width)
+        )
+        if stack.dtype == np.uint8 and not is_binary:
+            raise _not_binary(stack)
+        # Both are new and of the right shape: nothing to check, copy or count.
+        packed = object.__new__(cls)
+        object.__setattr__(packed, "width", width)
+        packed._freeze(words, areas_px)
+        return packed
 
     @classmethod
-    def from_rle(cls, runs: Iterable[Sequence[int] | str | bytes], height: int, width: int) -> Self:
+    def from_rle(
+        cls,
+        runs: Iterable[Sequence[int] | str | bytes],
+        height: int,
+        width: int,
+        *,
+        implementation: Implementation = "numba",
+    ) -> Self:
         """The packed form of COCO run lengths, plain or compressed, the counts of one mask after the other."""
         masks = [mask_from_rle(counts, height, width) for counts in runs]
-        return cls.pack(np.array(masks, dtype=np.bool_).reshape(len(masks), height, width))
+        stack = np.array(masks, dtype=np.bool_).reshape(len(masks), height, width)
+        return cls.pack(stack, implementation=implementation)
 
     @property
     def height(self) -> int:
@@ -170,15 +194,41 @@ def _decompressed(text: str) -> list[int]:
     return counts
 
 
-def _binary(mask: NDArray[Any], dimensions: tuple[int, ...] = (2,)) -> NDArray[np.bool_]:
+@cache
+def _packer(implementation: Implementation) -> Callable[[NDArray[np.uint8], tuple[int, int, int]], Packed]:
+    """What packs; Numba is imported at its first use, because it alone takes longer than this package."""
+    if implementation == "numba":
+        return cast("Callable[..., Packed]", import_module("maskval.packing").pack)
+    if implementation == "numpy":
+        return _pack
+    raise ValueError(f"implementation must be one of ['numba', 'numpy'], but is {implementation!r}")
+
+
+def _pack(pixels: NDArray[np.uint8], shape: tuple[int, int, int]) -> Packed:
+    """See `packing.pack`."""
+    count, height, width = shape
+    bits = np.zeros((count, height, -(-width // 64) * 8), dtype=np.uint8)
+    bits[:, :, : -(-width // 8)] = np.packbits(pixels.reshape(shape), axis=-1, bitorder="little")
+    words = bits.view("<u8").astype(np.uint64, copy=False)
+    return words, np.bitwise_count(words).sum(axis=(1, 2), dtype=np.int64), bool(pixels.max(initial=0) <= 1)
+
+
+def _binary(mask: NDArray[Any]) -> NDArray[np.bool_]:
+    array = _mask_array(mask, dimensions=(2,))
+    if array.dtype == np.uint8 and array.max(initial=0) > 1:
+        raise _not_binary(array)
+    return array.view(np.bool_)
+
+
+def _mask_array(mask: NDArray[Any], dimensions: tuple[int, ...]) -> NDArray[Any]:
     array = np.asarray(mask)
     if array.ndim not in dimensions:
         wanted = " or ".join("(K, H, W)" if n == 3 else "(H, W)" for n in dimensions)
         raise InvalidMaskError(f"a mask must have shape {wanted}, but has {array.shape}")
-    if array.dtype == np.bool_:
-        return array
-    if array.dtype != np.uint8:
+    if array.dtype not in (np.bool_, np.uint8):
         raise InvalidMaskError(f"a mask must be bool or uint8, but is {array.dtype}")
-    if array.size and array.max() > 1:
-        raise InvalidMaskError(f"a uint8 mask must hold 0 and 1, but holds {array.max()}")
-    return array.view(np.bool_)
+    return array
+
+
+def _not_binary(array: NDArray[np.uint8]) -> InvalidMaskError:
+    return InvalidMaskError(f"a uint8 mask must hold 0 and 1, but holds {array.max()}")

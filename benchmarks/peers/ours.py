@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from maskval import Camera, Mesh, Pose, depth_image, silhouette, silhouette_iou
-from maskval.rendering.silhouettes import Implementation
+from maskval.masks import Implementation
 
 IMPLEMENTATION: Implementation = "numba"
 

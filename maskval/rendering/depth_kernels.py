@@ -5,9 +5,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from maskval.compiled import jit
 from maskval.contour import ContourEdges
 from maskval.rendering import lens as plain
-from maskval.rendering.compiled import jit
 from maskval.rendering.lens import Box, Floats, Layers, Point, Row, View
 
 Indices = NDArray[np.uint32]

@@ -11,8 +11,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from maskval.compiled import jit, popcount
 from maskval.contour import ContourEdges
-from maskval.rendering.compiled import jit, popcount
 from maskval.rendering.views import Views
 
 Ints = NDArray[np.int64]

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
-from typing import Any, Literal, Protocol, cast
+from typing import Any, Protocol, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,11 +13,9 @@ from maskval.camera import Camera
 from maskval.contour import ContourEdges
 from maskval.errors import InvalidMaskError
 from maskval.geometry import Pose
-from maskval.masks import PackedMasks
+from maskval.masks import Implementation, PackedMasks
 from maskval.mesh import Mesh
 from maskval.rendering.views import Canvas, Views, views
-
-Implementation = Literal["numba", "numpy"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -101,7 +99,7 @@ def silhouette_iou(
         InvalidMaskError: If masks are not binary, of another size than the image, or not as many as the poses
             when paired.
     """
-    packed = masks if isinstance(masks, PackedMasks) else PackedMasks.pack(masks)
+    packed = masks if isinstance(masks, PackedMasks) else PackedMasks.pack(masks, implementation=implementation)
     if (packed.height, packed.width) != (camera.height, camera.width):
         raise InvalidMaskError(
             f"masks must have the image's size {camera.height} x {camera.width} (H x W), "

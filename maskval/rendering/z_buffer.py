@@ -6,10 +6,10 @@ from numpy.typing import NDArray
 from maskval.camera import Camera
 from maskval.contour import ContourEdges
 from maskval.geometry import Pose
+from maskval.masks import Implementation
 from maskval.mesh import Mesh
 from maskval.rendering.depth import depth_kernel
 from maskval.rendering.lens import Box, Floats, Layers, View, lens
-from maskval.rendering.silhouettes import Implementation
 from maskval.rendering.views import NEAR_M
 
 NOTHING = -1  # the number of a pixel that shows no body

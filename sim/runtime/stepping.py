@@ -15,7 +15,7 @@ from numba import types
 from numpy.typing import NDArray
 
 from cell.rounding import DIGITS
-from maskval.rendering.compiled import jit
+from maskval.compiled import jit
 
 Floats = NDArray[np.float64]
 

@@ -5,7 +5,9 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from maskval import InvalidMaskError, PackedMasks, mask_from_rle, mask_iou, rle_counts
+from maskval.masks import Implementation
 
+IMPLEMENTATIONS: tuple[Implementation, ...] = ("numba", "numpy")
 images = hnp.arrays(np.bool_, st.tuples(st.integers(1, 9), st.integers(1, 140)))
 
 
@@ -45,6 +47,35 @@ def test_packing_run_lengths_and_zeros_and_ones_is_packing_the_mask(mask) -> Non
     np.testing.assert_array_equal(PackedMasks.from_rle([rle_counts(mask)], *mask.shape).words, words)
 
 
+@given(images, st.sampled_from(("whole", "every other", "transposed", "cut out")))
+def test_numba_and_numpy_pack_the_same_bits(mask, how) -> None:
+    stack = np.stack((mask, ~mask, np.roll(mask, 1)))
+    stack = {
+        "whole": stack,
+        "every other": stack[::2, :, ::-1],
+        "transposed": stack.transpose(0, 2, 1),
+        "cut out": stack[:, : mask.shape[0] // 2 + 1, mask.shape[1] // 3 :],
+    }[how]
+    for kind in (np.bool_, np.uint8):
+        fast, plain = (PackedMasks.pack(stack.astype(kind, order="K"), implementation=name) for name in IMPLEMENTATIONS)
+        assert (fast.words.dtype, fast.areas_px.dtype, fast.width) == (np.uint64, np.int64, stack.shape[2])
+        np.testing.assert_array_equal(fast.words, plain.words)
+        np.testing.assert_array_equal(fast.areas_px, plain.areas_px)
+        assert fast.areas_px.tolist() == np.count_nonzero(stack, axis=(1, 2)).tolist()
+
+
+@pytest.mark.parametrize("implementation", IMPLEMENTATIONS)
+@pytest.mark.parametrize(
+    ("size", "place"), [((1, 5), 4), ((2, 40), 79), ((3, 64), 100), ((2, 100), 70), ((2, 100), 199)]
+)
+def test_a_pixel_that_is_neither_0_nor_1_is_refused_wherever_it_is(implementation, size, place) -> None:
+    mask = np.ones(size, dtype=np.uint8)
+    assert PackedMasks.pack(mask, implementation=implementation).areas_px.tolist() == [mask.size]
+    mask.flat[place] = 2
+    with pytest.raises(InvalidMaskError, match="must hold 0 and 1, but holds 2"):
+        PackedMasks.pack(mask, implementation=implementation)
+
+
 def test_packing_no_masks_keeps_the_size() -> None:
     for packed in (PackedMasks.pack(np.zeros((0, 4, 70), dtype=bool)), PackedMasks.from_rle([], 4, 70)):
         assert (len(packed), packed.height, packed.width) == (0, 4, 70)
@@ -52,9 +83,13 @@ def test_packing_no_masks_keeps_the_size() -> None:
 
 
 def test_nobody_can_write_to_packed_masks() -> None:
-    packed = PackedMasks.pack(np.zeros((1, 4, 70), dtype=bool))
-    with pytest.raises(ValueError, match="read-only"):
-        packed.words[0, 0, 0] = 1
+    masks = np.zeros((1, 4, 70), dtype=bool)
+    for implementation in IMPLEMENTATIONS:
+        packed = PackedMasks.pack(masks, implementation=implementation)
+        for array in (packed.words, packed.areas_px):
+            with pytest.raises(ValueError, match="read-only"):
+                array[0] = 1
+    masks[0, 0, 0] = True  # the caller's array stays writeable
 
 
 def test_mask_iou_of_shifted_squares() -> None:

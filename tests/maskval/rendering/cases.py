@@ -5,7 +5,7 @@ import pytest
 from numpy.typing import NDArray
 
 from maskval import Camera
-from maskval.rendering.silhouettes import Implementation
+from maskval.masks import Implementation
 from tests.maskval import shapes
 
 IMPLEMENTATIONS: tuple[Implementation, ...] = ("numba", "numpy")

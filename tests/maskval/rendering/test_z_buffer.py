@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from maskval import Camera, Mesh, Pose, depth_image, silhouette
-from maskval.rendering.silhouettes import Implementation
+from maskval.masks import Implementation
 from maskval.rendering.z_buffer import NOTHING, ZBuffer
 from tests.maskval import shapes
 from tests.maskval.rendering.cases import SMALL, both, everything
