@@ -1,6 +1,8 @@
 """How Numba compiles the kernels. Its cache does not see an edit here: delete `__pycache__` after one."""
 
+import logging
 from collections.abc import Callable
+from functools import cache
 from typing import Any, ParamSpec, TypeVar, cast
 
 import numba
@@ -12,8 +14,25 @@ T = TypeVar("T")
 
 
 def jit(function: Callable[P, T]) -> Callable[P, T]:
-    """The function, compiled at its first call and kept on disk; it runs without Python's lock, with NumPy's 1 / 0."""
-    return cast(Callable[P, T], numba.njit(cache=True, nogil=True, error_model="numpy")(function))
+    """The function, compiled at its first call and kept on disk; it runs without Python's lock, with NumPy's 1 / 0.
+
+    Where no folder can be written, it is compiled for this process only.
+    """
+    try:
+        compiled = numba.njit(cache=True, nogil=True, error_model="numpy")(function)
+    except RuntimeError:  # Numba's, about each function
+        _say_that_nothing_is_kept()
+        compiled = numba.njit(nogil=True, error_model="numpy")(function)
+    return cast(Callable[P, T], compiled)
+
+
+@cache
+def _say_that_nothing_is_kept() -> None:
+    """One line for each process, on the standard error unless the program handles its log otherwise."""
+    logging.getLogger(__name__).warning(
+        "Numba has no folder to keep compiled kernels in, so this process compiles them, for some 20 s: "
+        "export NUMBA_CACHE_DIR=a folder that can be written"
+    )
 
 
 def _count_bits(_typing_context: Any, _word: Any) -> Any:

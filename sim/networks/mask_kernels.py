@@ -9,7 +9,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from maskval.rendering.compiled import jit, popcount
+from maskval.compiled import jit, popcount
 
 Array = NDArray[np.float64]
 

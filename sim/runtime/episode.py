@@ -2,13 +2,10 @@
 
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from cell.interfaces import MaskEstimator, PoseEstimator
 from cell.layout import Belt, Layout
 from cell.perception import Perception
-from maskval import Camera as Intrinsics
-from maskval import Mesh, Pose, UncertaintyMethod, silhouette, silhouette_iou
+from maskval import Pose, UncertaintyMethod
 from sim.instance_ids import PIXEL_CENTER
 from sim.model.clutter import CLEARANCES, distractors_of, place_distractors
 from sim.model.conditions import Conditions
@@ -18,6 +15,7 @@ from sim.networks.estimators import Kind, make_estimators
 from sim.networks.ground_truth import LatestTruth
 from sim.networks.noise_model import PartNoise, load_noise
 from sim.networks.random_streams import Streams
+from sim.runtime.compile_kernels import compile_for_networks
 from sim.runtime.referee import SimReferee
 from sim.runtime.station import SimStation
 from sim.runtime.world import World
@@ -45,15 +43,8 @@ def build_cell(part: str, parts: int, conditions: Conditions, maker_meshes: bool
     """
     layout, model = Layout(belt=belt_under(conditions, parts)), load_part(part)
     world = World(layout, model, parts, conditions, maker_meshes)
-    _compile_kernels(model.part.mesh, layout.camera)
+    compile_for_networks(model.part.mesh, layout.camera)
     return SimCell(world, WristCamera(world))
-
-
-def _compile_kernels(mesh: Mesh, camera: Intrinsics) -> None:
-    """Has Numba compile what every picture needs, so that no network's time limit falls into it."""
-    ahead = Pose(rotation=np.eye(3), translation=np.array([0.0, 0.0, 0.5]))
-    silhouette_iou(mesh, [ahead], np.ones((1, camera.height, camera.width), dtype=np.bool_), camera)
-    silhouette(mesh, ahead, camera)
 
 
 def belt_under(conditions: Conditions, parts: int) -> Belt:
