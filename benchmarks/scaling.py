@@ -10,7 +10,7 @@ import trimesh
 from benchmarks.workload import CAMERAS, load_mesh, poses, task_masks
 from maskval import Camera, Mesh, PackedMasks, Pose, depth_crop, silhouette_iou
 from maskval.rendering.reference import spans
-from maskval.rendering.views import views
+from maskval.rendering.views import frame
 
 VGA = CAMERAS["VGA"]
 # Sections around and across a torus, for 1,000 to 1,000,000 triangles.
@@ -81,8 +81,8 @@ def _pixels(depth: float) -> dict[str, float]:
     mesh = load_mesh("antenna")
     views_ = [Pose(X.rotation, np.array((0.0, 0.0, depth))) for X in poses("antenna", "VGA", 32)]
     packed = PackedMasks.pack(task_masks("antenna", "VGA", 0.5)[:1])
-    view = views(mesh.edges, views_, VGA, pixel_center=0.5, canvas="full")
-    pixels = np.mean([np.ptp(spans(mesh.edges, view, n)[:, 1:], axis=1).sum() for n in range(len(views_))])
+    seen = frame(VGA, pixel_center=0.5, canvas="full")
+    pixels = np.mean([np.ptp(spans(mesh.edges, seen, X.rotation, X.translation)[:, 1:], axis=1).sum() for X in views_])
     return {
         "pixels": float(pixels),
         "us_per_pose": best(lambda: silhouette_iou(mesh, views_, packed, VGA)) / 32 * 1e6,
@@ -103,8 +103,8 @@ def floor(name: str, camera: str) -> dict[str, float]:
     numbers = np.ones(max(1, streamed // 4), dtype=np.float32)
     read_pose = best(lambda: np.dot(numbers, numbers))
     read_masks = best(lambda: np.count_nonzero(masks))
-    view = views(edges, mine, size, pixel_center=0.5, canvas="3x3")
-    crossings = sum(2 * len(spans(edges, view, n)) for n in range(len(mine)))
+    seen = frame(size, pixel_center=0.5, canvas="3x3")
+    crossings = sum(2 * len(spans(edges, seen, X.rotation, X.translation)) for X in mine)
     # Each span is also counted in each mask.
     counted = crossings / 2 * len(masks)
     task = read_masks + len(mine) * read_pose + (crossings + counted) * CROSSING_S

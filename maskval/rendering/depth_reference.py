@@ -42,7 +42,7 @@ def invert(inverse: Floats) -> NDArray[np.float32]:
 def _visible(edges: ContourEdges, view: View, *, cut_open: bool) -> tuple[Floats, Indices]:
     """u, v and inverse depth of corners, (V, 3), and the triangles that may be seen, (F, 3)."""
     X_CM, near = centred(view.rotation, view.translation, edges.centre_O), view.near
-    corners, triangles = homogeneous(np.array(projection(view.lens, X_CM)), edges.vertices_M), edges.faces
+    corners, triangles = homogeneous(projection(view.lens, X_CM), edges.vertices_M), edges.faces
     before = corners[:, 2] >= near
     if not before.any():
         return np.empty((0, 3)), triangles[:0]

@@ -61,7 +61,9 @@ def lens(camera: Camera, pixel_center: float) -> Lens:
     """
     if not 0 <= pixel_center < 1:
         raise ValueError(f"pixel_center must be in [0, 1), 0 for OpenCV and 0.5 for OpenGL, but is {pixel_center}")
-    return camera.fx, camera.skew, camera.cx - pixel_center, camera.fy, camera.cy - pixel_center
+    cx, cy = camera.cx - pixel_center, camera.cy - pixel_center
+    # Floats of Python: Numba would compile anew for whole numbers.
+    return float(camera.fx), float(camera.skew), float(cx), float(camera.fy), float(cy)
 
 
 def centred(rotation: Floats, translation: Floats, centre_O: Floats) -> Rows:

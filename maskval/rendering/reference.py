@@ -4,74 +4,85 @@ import numpy as np
 from numpy.typing import NDArray
 
 from maskval.contour import ContourEdges
-from maskval.rendering.views import CLIPPED, UNSEEN, Views
+from maskval.rendering.lens import Box, Rows, centred, eye, projection
+from maskval.rendering.views import CLIPPED, UNSEEN, Frame, View, kind
 
 Ints = NDArray[np.int64]
 Floats = NDArray[np.float64]
 
 
-def spans(edges: ContourEdges, view: Views, n: int) -> Ints:
-    """The silhouette of view n as rows, first columns and columns after the last, (S, 3), on the whole canvas."""
-    if view.kinds[n] == UNSEEN:
+def spans(edges: ContourEdges, frame: Frame, rotation: Floats, translation: Floats) -> Ints:
+    """See `kernels.spans`."""
+    X_CM = centred(rotation, translation, edges.centre_O)
+    view = View(projection(frame.lens, X_CM), eye(X_CM), kind(X_CM[2][3], edges.radius, frame.near))
+    if view.kind == UNSEEN:
         return np.empty((0, 3), dtype=np.int64)
-    return _sweep(*_lines(edges, view, n), view.canvas)
+    return _sweep(*_lines(edges, frame, view), frame.canvas)
 
 
-def measure(edges: ContourEdges, view: Views, words: NDArray[np.uint64], paired: bool) -> tuple[Ints, Ints]:
-    """Areas on the canvas and in the image, (N, 2), and overlaps with the masks, (N, K) or (N, 1) when paired."""
-    count = len(view.kinds)
-    areas = np.empty((count, 2), dtype=np.int64)
-    overlaps = np.empty((count, 1 if paired else len(words)), dtype=np.int64)
-    for n in range(count):
-        whole = spans(edges, view, n)
-        seen = _clip(whole, view)
-        areas[n] = _area(whole), _area(seen)
-        overlaps[n] = _overlaps(seen, words[n : n + 1] if paired else words)
-    return areas, overlaps
+def measure(
+    edges: ContourEdges,
+    frame: Frame,
+    poses: tuple[Floats, Floats],
+    masks: tuple[NDArray[np.uint64], Ints],
+    paired: bool,
+) -> tuple[Floats, Floats]:
+    """See `kernels.measure`."""
+    words, areas = masks
+    iou = np.empty((len(poses[0]), 1 if paired else len(words)))
+    visibility = np.empty(len(iou))
+    for n, (rotation, translation) in enumerate(zip(*poses, strict=True)):
+        whole = spans(edges, frame, rotation, translation)
+        seen = _clip(whole, frame)
+        chosen = slice(n, n + 1) if paired else slice(None)
+        overlaps = _overlaps(seen, words[chosen])
+        iou[n] = overlaps / np.maximum(_area(seen) + areas[chosen] - overlaps, 1)
+        visibility[n] = _area(seen) / max(_area(whole), 1)
+    return iou, visibility
 
 
-def draw(edges: ContourEdges, view: Views, mask: NDArray[np.bool_]) -> int:
-    """Sets the pixels of the first view's silhouette in a mask; its area on the canvas."""
-    whole = spans(edges, view, 0)
-    row, start, stop = _clip(whole, view).T
+def draw(edges: ContourEdges, frame: Frame, rotation: Floats, translation: Floats, mask: NDArray[np.bool_]) -> int:
+    """See `kernels.draw`."""
+    whole = spans(edges, frame, rotation, translation)
+    row, start, stop = _clip(whole, frame).T
     pixel, owner = steps(start, stop)
     mask[row[owner], pixel] = True
     return _area(whole)
 
 
-def _lines(edges: ContourEdges, view: Views, n: int) -> tuple[Floats, Floats, Ints]:
+def _lines(edges: ContourEdges, frame: Frame, view: View) -> tuple[Floats, Floats, Ints]:
     """Both ends (u, v) of the contour's lines, (L, 2) each, and what each adds to the winding number."""
     nx, ny, nz, offset = edges.planes_M
-    x, y, z = view.eyes_M[n]
+    x, y, z = np.array(view.eye_M, dtype=np.float32)
     front = np.where(nx * x + ny * y + nz * z + offset > 0, 1, -1).astype(np.int8)
     sides = np.concatenate((front, -front, np.zeros(1, dtype=np.int8)))
     windings = sides[edges.lefts] + sides[edges.rights]
     chosen = np.flatnonzero(windings)
     tails, heads, windings = edges.tails[chosen], edges.heads[chosen], windings[chosen].astype(np.int64)
-    if view.kinds[n] == CLIPPED:
-        return _clipped_lines(edges, view, n, (tails, heads, windings), front)
-    ends = homogeneous(view.projections[n], edges.vertices_M[np.concatenate((tails, heads))])
+    if view.kind == CLIPPED:
+        return _clipped_lines(edges, (view.projection, frame.near), (tails, heads, windings), front)
+    ends = homogeneous(view.projection, edges.vertices_M[np.concatenate((tails, heads))])
     pixels = ends[:, :2] * (1.0 / ends[:, 2:])
     return pixels[: len(tails)], pixels[len(tails) :], windings
 
 
 def _clipped_lines(
     edges: ContourEdges,
-    view: Views,
-    n: int,
+    cut: tuple[Rows, float],
     contour: tuple[NDArray[np.uint32], NDArray[np.uint32], Ints],
     front: NDArray[np.int8],
 ) -> tuple[Floats, Floats, Ints]:
     """The lines of a mesh that the near plane may cut: its contour before the plane, closed by the cuts."""
-    points = homogeneous(view.projections[n], edges.vertices_M)
-    before = points[:, 2] >= view.near
+    rows, near = cut
+    points = homogeneous(rows, edges.vertices_M)
+    before = points[:, 2] >= near
 
     def end(vertices: NDArray[np.uint32], others: NDArray[np.uint32]) -> Floats:
         """Pixels of the vertices, or where the edges to the others meet the plane."""
         a, b = points[np.minimum(vertices, others)], points[np.maximum(vertices, others)]
         with np.errstate(divide="ignore", invalid="ignore"):  # an edge that is not cut has no share
-            share = (view.near - a[:, 2:]) / (b[:, 2:] - a[:, 2:])
-            cut = (a[:, :2] + (b[:, :2] - a[:, :2]) * share) * (1.0 / view.near)
+            share = (near - a[:, 2:]) / (b[:, 2:] - a[:, 2:])
+            cut = (a[:, :2] + (b[:, :2] - a[:, :2]) * share) * (1.0 / near)
             whole = points[vertices, :2] * (1.0 / points[vertices, 2:])
         return np.where(before[vertices, None], whole, cut)
 
@@ -90,14 +101,14 @@ def _clipped_lines(
     )
 
 
-def homogeneous(projection: Floats, vertices_M: Floats) -> Floats:
+def homogeneous(rows: Rows, vertices_M: Floats) -> Floats:
     """Vertices in homogeneous pixels, (V, 3)."""
     # Written out, because a matrix product may fuse or reorder what the other kernel does not.
     x, y, z = vertices_M.T
-    return np.stack([row[0] * x + row[1] * y + row[2] * z + row[3] for row in projection], axis=1)
+    return np.stack([row[0] * x + row[1] * y + row[2] * z + row[3] for row in rows], axis=1)
 
 
-def _sweep(a: Floats, b: Floats, windings: Ints, canvas: Ints) -> Ints:
+def _sweep(a: Floats, b: Floats, windings: Ints, canvas: Box) -> Ints:
     """The spans over which the lines' winding number is not zero."""
     left, top, right, bottom = canvas
     down = a[:, 1] <= b[:, 1]
@@ -127,10 +138,10 @@ def steps(start: Ints, stop: Ints) -> tuple[Ints, Ints]:
     return np.arange(len(owner)) - (before - start)[owner], owner
 
 
-def _clip(found: Ints, view: Views) -> Ints:
+def _clip(found: Ints, frame: Frame) -> Ints:
     row = found[:, 0]
-    start, stop = np.maximum(found[:, 1], 0), np.minimum(found[:, 2], view.width)
-    seen = (row >= 0) & (row < view.height) & (start < stop)
+    start, stop = np.maximum(found[:, 1], 0), np.minimum(found[:, 2], frame.width)
+    seen = (row >= 0) & (row < frame.height) & (start < stop)
     return np.stack((row[seen], start[seen], stop[seen]), axis=1)
 
 

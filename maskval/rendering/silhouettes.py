@@ -15,7 +15,8 @@ from maskval.errors import InvalidMaskError
 from maskval.geometry import Pose
 from maskval.masks import Implementation, PackedMasks
 from maskval.mesh import Mesh
-from maskval.rendering.views import Canvas, Views, views
+from maskval.rendering.lens import Floats
+from maskval.rendering.views import Canvas, Frame, frame, stacked
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -59,9 +60,10 @@ def silhouette(
             object next to the camera reaches), or "3x3" images, as BOP does.
         implementation: "numba", or the slower "numpy" of the same result, which compiles nothing.
     """
-    view = views(mesh.edges, (X_CO,), camera, pixel_center=pixel_center, canvas=canvas)
+    seen = frame(camera, pixel_center=pixel_center, canvas=canvas)
+    (rotation,), (translation,) = stacked((X_CO,))
     mask = np.zeros((camera.height, camera.width), dtype=np.bool_)
-    area_px = _kernel(implementation).draw(mesh.edges, view, mask)
+    area_px = _kernel(implementation).draw(mesh.edges, seen, rotation, translation, mask)
     mask.setflags(write=False)
     return Silhouette(mask, area_px)
 
@@ -107,13 +109,10 @@ def silhouette_iou(
         )
     if paired and len(packed) != len(poses):
         raise InvalidMaskError(f"paired masks must be as many as the {len(poses)} poses, but are {len(packed)}")
-    view = views(mesh.edges, poses, camera, pixel_center=pixel_center, canvas=canvas)
-    areas, overlaps = _kernel(implementation).measure(mesh.edges, view, packed.words, paired)
-    whole, seen = areas.T
-    mask_areas = packed.areas_px[:, None] if paired else packed.areas_px[None]
-    unions = seen[:, None] + mask_areas - overlaps
-    iou = overlaps / np.maximum(unions, 1)
-    return (iou[:, 0] if paired else iou), seen / np.maximum(whole, 1)
+    seen = frame(camera, pixel_center=pixel_center, canvas=canvas)
+    kernel = _kernel(implementation)
+    iou, visibility = kernel.measure(mesh.edges, seen, stacked(poses), (packed.words, packed.areas_px), paired)
+    return (iou[:, 0] if paired else iou), visibility
 
 
 def silhouette_areas(
@@ -163,10 +162,10 @@ def silhouette_boxes(
         canvas: Where the whole silhouette is looked at: "full", or "3x3" images, as BOP does.
         implementation: "numba", or the slower "numpy" of the same result, which compiles nothing.
     """
-    view = views(mesh.edges, poses, camera, pixel_center=pixel_center, canvas=canvas)
+    view, kernel = frame(camera, pixel_center=pixel_center, canvas=canvas), _kernel(implementation)
     boxes = np.zeros((len(poses), 4), dtype=np.int64)
-    for n in range(len(poses)):
-        row, start, stop = _kernel(implementation).spans(mesh.edges, view, n).T
+    for n, pose in enumerate(zip(*stacked(poses), strict=True)):
+        row, start, stop = kernel.spans(mesh.edges, view, *pose).T
         if inside_image:
             start, stop = np.maximum(start, 0), np.minimum(stop, camera.width)
             seen = (row >= 0) & (row < camera.height) & (start < stop)
@@ -180,13 +179,20 @@ def silhouette_boxes(
 class _Kernel(Protocol):
     """What both implementations offer."""
 
-    def spans(self, edges: ContourEdges, view: Views, n: int) -> NDArray[np.int64]: ...
+    def spans(self, edges: ContourEdges, frame: Frame, rotation: Floats, translation: Floats) -> NDArray[np.int64]: ...
 
-    def draw(self, edges: ContourEdges, view: Views, mask: NDArray[np.bool_]) -> int: ...
+    def draw(
+        self, edges: ContourEdges, frame: Frame, rotation: Floats, translation: Floats, mask: NDArray[np.bool_]
+    ) -> int: ...
 
     def measure(
-        self, edges: ContourEdges, view: Views, words: NDArray[np.uint64], paired: bool
-    ) -> tuple[NDArray[np.int64], NDArray[np.int64]]: ...
+        self,
+        edges: ContourEdges,
+        frame: Frame,
+        poses: tuple[Floats, Floats],
+        masks: tuple[NDArray[np.uint64], NDArray[np.int64]],
+        paired: bool,
+    ) -> tuple[Floats, Floats]: ...
 
 
 @cache

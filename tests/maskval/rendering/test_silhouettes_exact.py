@@ -5,7 +5,8 @@ import pytest
 
 from maskval import Camera, Mesh, Pose, silhouette, silhouette_iou
 from maskval.rendering import kernels
-from maskval.rendering.views import NEAR_M, views
+from maskval.rendering.lines import lines, view
+from maskval.rendering.views import NEAR_M, frame, stacked
 from tests.maskval import shapes
 from tests.maskval.rasteriser import rasterise
 from tests.maskval.rendering.cases import (
@@ -55,8 +56,9 @@ def test_no_pixel_differs_from_float64_triangles_in_2000_random_poses(shape) -> 
 
 def test_a_crumpled_mesh_has_rows_that_are_sorted_by_counting() -> None:
     mesh = Mesh(*crumpled(*shapes.torus()))
-    view = views(mesh.edges, shapes.random_poses(seed=6, count=1), VGA, pixel_center=0.0, canvas="full")
-    _, rows = kernels._lines(mesh.edges, view, 0)
+    seen = frame(VGA, pixel_center=0.0, canvas="full")
+    (rotation,), (translation,) = stacked(shapes.random_poses(seed=6, count=1))
+    _, rows = lines(mesh.edges, seen, view(mesh.edges, seen, rotation, translation))
     crossings = [np.count_nonzero((rows[:, 0] <= row) & (row < rows[:, 1])) for row in range(VGA.height)]
     assert max(crossings) > 2 * kernels.BUSY_ROW
 
