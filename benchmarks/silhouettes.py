@@ -9,6 +9,9 @@ import json
 import multiprocessing
 import os
 import platform
+import sys
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from importlib.metadata import PackageNotFoundError, version
 from itertools import product
 from pathlib import Path
@@ -24,6 +27,7 @@ from benchmarks.worker import serve
 from benchmarks.workload import CAMERAS, OBJECTS, load_mesh, poses
 from maskval import silhouette
 
+BASE = "ours at the base"
 JOBS = ("mask", "depth", "task")
 PACKAGES = ("numpy", "numba", "mujoco", "pyrender-maintained", "PyOpenGL", "open3d", "open3d-cpu", "deodr", "moderngl")
 
@@ -33,14 +37,16 @@ class Worker:
 
     Args:
         name: Name of the contender.
+        root: The checkout of this repository that the process runs, with its own benchmarks; None for this one.
     """
 
-    def __init__(self, name: str) -> None:
+    def __init__(self, name: str, root: Path | None = None) -> None:
         module, environment = PEERS[name]
         context = multiprocessing.get_context("spawn")
         self._line, theirs = context.Pipe()
         self._process = context.Process(target=serve, args=(module, environment, theirs), daemon=True)
-        self._process.start()
+        with _imported_from(root):  # a spawned process takes the path of its parent
+            self._process.start()
         theirs.close()
         # Why it is missing, or None.
         self.missing: str | None = self._receive()
@@ -63,6 +69,28 @@ class Worker:
         except EOFError:
             self._process.join()
             return f"the process ended with code {self._process.exitcode}"
+
+
+@contextmanager
+def _imported_from(root: Path | None) -> Iterator[None]:
+    path = list(sys.path)
+    if root is not None:
+        sys.path.insert(0, str(root.resolve(strict=True)))
+    try:
+        yield
+    finally:
+        sys.path[:] = path
+
+
+def started(peers: Iterable[str], base: Path | None) -> tuple[dict[str, Worker], dict[str, str]]:
+    """The contenders that run, and why the others do not."""
+    found = {name: Worker(name) for name in peers}
+    if base is not None:
+        found[BASE] = Worker(OURS, base)
+    missing = {name: worker.missing for name, worker in found.items() if worker.missing is not None}
+    for name, why in missing.items():
+        print(f"missing: {name}: {why}")
+    return {name: worker for name, worker in found.items() if name not in missing}, missing
 
 
 def wrong_pixels(answer: tuple[float, NDArray[np.uint8]], name: str, camera: str) -> tuple[int, int]:
@@ -117,16 +145,13 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n", 1)[0])
     parser.add_argument("--json", type=Path, required=True, help="file for the figures")
     parser.add_argument("--rounds", type=int, default=15, help="turns of every contender")
+    parser.add_argument(
+        "--base", type=Path, help="a checkout of another commit, whose maskval takes turns with the rest"
+    )
+    parser.add_argument("--ours-only", action="store_true", help="leave other software out")
     options = parser.parse_args()
     before = os.getloadavg()
-    workers, missing = {}, {}
-    for name in PEERS:
-        worker = Worker(name)
-        if worker.missing is None:
-            workers[name] = worker
-        else:
-            missing[name] = worker.missing
-            print(f"missing: {name}: {worker.missing}")
+    workers, missing = started((OURS,) if options.ours_only else PEERS, options.base)
     try:
         tables = {name: worker.ask("table", "antenna", "VGA") for name, worker in workers.items()}
         times = time_all(workers, options.rounds)
@@ -161,6 +186,10 @@ def main() -> None:
     }
     options.json.parent.mkdir(parents=True, exist_ok=True)
     options.json.write_text(json.dumps(figures, indent=1) + "\n")
+    if BASE in workers:
+        for case, found in figures["jobs"].items():
+            times_ours = found[BASE]["times_ours"]
+            print(f"{case}: {found[BASE]['us']:.0f} µs at the base, {found[OURS]['us']:.0f} µs now, {times_ours:.2f}×")
     print(f"wrote {options.json}")
 
 

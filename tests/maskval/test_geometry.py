@@ -109,6 +109,20 @@ def test_composition_with_something_else_is_a_type_error() -> None:
         Pose.identity() @ np.eye(4)
 
 
+@given(poses, st.integers(0, 2), st.integers(0, 2))
+def test_a_rotation_that_is_mirrored_or_off_by_more_than_1e_6_in_any_number_is_refused(X_AB, row, column) -> None:
+    R = X_AB.rotation.copy()
+    assert (Pose(R, np.zeros(3)).rotation == R).all()
+    R[row] *= -1
+    with pytest.raises(InvalidPoseError, match="it mirrors"):
+        Pose(R, np.zeros(3))
+    R[row] *= -1
+    # One number off by d moves R Rᵀ by d times the others of its column, the longest of which is at least 1/√3.
+    R[row, column] += 4e-6
+    with pytest.raises(InvalidPoseError, match="orthonormal"):
+        Pose(R, np.zeros(3))
+
+
 SHEAR = np.array([[1, 0.01, 0], [0, 1, 0], [0, 0, 1]])
 BOTTOM = np.diag([1, 1, 1, 2])
 
@@ -118,6 +132,7 @@ BOTTOM = np.diag([1, 1, 1, 2])
     [
         (lambda: Pose(SHEAR, np.zeros(3)), "orthonormal to 1e-06, but R Rᵀ differs from I by 0.01"),
         (lambda: Pose(np.diag([1, 1, -1]), np.zeros(3)), r"determinant \+1, but has -1"),
+        (lambda: Pose(np.full((3, 3), 1e200), np.zeros(3)), "orthonormal to 1e-06, but R Rᵀ differs from I by inf"),
         (lambda: Pose(np.eye(4), np.zeros(3)), r"rotation must have shape \(3, 3\), but has \(4, 4\)"),
         (lambda: Pose(np.full((3, 3), np.nan), np.zeros(3)), "rotation must be finite"),
         (lambda: Pose(np.eye(3), np.zeros((3, 1))), r"translation must have shape \(3,\), but has \(3, 1\)"),
