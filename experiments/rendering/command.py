@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import closing
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 from tqdm import tqdm
@@ -16,6 +17,7 @@ from experiments.results.provenance import manifest, write_json
 from experiments.setup.pool import run_all
 from maskval import bop
 from sim.errors import DivergenceError
+from sim.images.photo_renderer import PhotoRenderer
 from sim.images.pictures import STYLES
 from sim.model.parts import load_part
 from sim.networks.random_streams import Streams
@@ -62,17 +64,22 @@ def render_dataset(config: RenderDataset) -> int:
 
 def render_batch(task: RenderTask) -> dict[int, Labels]:
     """Renders and writes the images of a task; returns their labels by number in the scene."""
-    config, model, camera = task.config, load_part(task.config.object), default_camera()
+    config, model, renderer = task.config, load_part(task.config.object), _renderer(task.config.samples)
     scene = _scene_folder(config, task.images[0] // IMAGES_PER_SCENE)
     (scene / "rgb").mkdir(parents=True, exist_ok=True)
     labels = {}
     for number in task.images:
         streams = Streams(config.seed, number, f"{model.part.name} {config.split}")
-        picture = STYLES[config.style](model, camera, streams, config.textured)
-        labels[number % IMAGES_PER_SCENE] = write_picture(
-            scene, number % IMAGES_PER_SCENE, picture, model.part.mesh, camera
-        )
+        picture = STYLES[config.style](model, renderer, streams, config.textured, config.views_per_heap)
+        im_id = number % IMAGES_PER_SCENE
+        labels[im_id] = write_picture(scene, im_id, picture, config.rgb)
     return labels
+
+
+@cache
+def _renderer(samples: int) -> PhotoRenderer:
+    """The process's own: to open OpenGL takes as long as some pictures."""
+    return PhotoRenderer(default_camera(), samples)
 
 
 def _scenes(config: RenderDataset) -> Iterator[tuple[int, dict[int, Labels]]]:

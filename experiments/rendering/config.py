@@ -2,6 +2,7 @@
 
 # ruff: noqa: PLC0415  # the parts are loaded when the job begins: --help does not wait for them
 
+import math
 import re
 from dataclasses import dataclass
 from pathlib import Path
@@ -33,6 +34,12 @@ class RenderDataset:
     """Name of the split's folder; another split has other pictures."""
     textured: float = 0.5
     """Share of parts with a random texture instead of their own colour, 0 to 1."""
+    samples: int = 3
+    """Samples per pixel and side: 3 renders smooth borders, 1 is fast."""
+    views_per_heap: int = 1
+    """Pictures of each heap of s1, all in one scene; they are not independent, but the heap's fall costs the most."""
+    rgb: Literal["png", "jpg"] = "png"
+    """Format of the RGB pictures: without loss, or as BOP's training sets have them (quality 95)."""
     seed: int = 0
     """Root of all random numbers."""
     jobs: int = 0
@@ -47,8 +54,9 @@ class RenderDataset:
 
     @property
     def batches(self) -> list[range]:
-        """The numbers of the pictures of each batch; none reaches into another scene."""
-        return [range(first, min(first + _BATCH, self.images)) for first in range(0, self.images, _BATCH)]
+        """The numbers of the pictures of each batch; none reaches into another scene, none parts those of a heap."""
+        size = math.lcm(_BATCH, self.views_per_heap)
+        return [range(first, min(first + size, self.images)) for first in range(0, self.images, size)]
 
     def check(self) -> None:
         """Rejects invalid arguments.
@@ -59,7 +67,11 @@ class RenderDataset:
         from sim.errors import SimError
         from sim.model.parts import load_part
 
-        all_at_least(self, images=1, seed=0, jobs=0)
+        all_at_least(self, images=1, seed=0, jobs=0, samples=1, views_per_heap=1)
+        if self.samples % 2 == 0:
+            raise UsageError(f"expected --samples of 1, 3, 5, ..., got {self.samples}")
+        if IMAGES_PER_SCENE % self.views_per_heap:
+            raise UsageError(f"expected --views-per-heap that divides {IMAGES_PER_SCENE}, got {self.views_per_heap}")
         if not 0 <= self.textured <= 1:
             raise UsageError(f"expected --textured in 0..1, got {self.textured:g}")
         if not re.fullmatch(r"[A-Za-z0-9_-]+", self.split) or self.split == "models":

@@ -37,35 +37,32 @@ def write_model(folder: Path, mesh: Mesh, camera: Camera) -> None:
     write_json(folder / "camera.json", {**intrinsics, "depth_scale": DEPTH_SCALE})
 
 
-def write_picture(scene: Path, im_id: int, picture: LabelledPicture, mesh: Mesh, camera: Camera) -> Labels:
+def write_picture(scene: Path, im_id: int, picture: LabelledPicture, rgb_format: str = "png") -> Labels:
     """Writes the images of a picture; returns what the scene's JSON files say of it.
 
     Args:
         scene: Folder of the scene, with its `rgb`.
         im_id: The picture's number in it.
         picture: The picture.
-        mesh: The part.
-        camera: Intrinsics and image size.
+        rgb_format: Ending of the RGB file: png, or jpg of quality 95.
 
     Raises:
         OSError: an image could not be written.
     """
-    rgb = scene / "rgb" / f"{im_id:06d}.png"
-    if not cv2.imwrite(str(rgb), picture.rgb[..., ::-1]):
+    rgb, truth = scene / "rgb" / f"{im_id:06d}.{rgb_format}", picture.truth
+    if not cv2.imwrite(str(rgb), cv2.cvtColor(picture.rgb, cv2.COLOR_RGB2BGR)):
         raise OSError(f"{rgb} could not be written")
     bop.write_depth(scene / "depth" / f"{im_id:06d}.png", picture.depth, DEPTH_SCALE)
-    X_CO = picture.truth.X_CO_true
-    boxes = silhouette_boxes(mesh, X_CO, camera, pixel_center=PIXEL_CENTER)
+    boxes = silhouette_boxes(truth.mesh, truth.X_CO_true, truth.camera, pixel_center=PIXEL_CENTER)
     infos = []
-    for part, X in enumerate(X_CO):
-        whole = silhouette(mesh, X, camera, pixel_center=PIXEL_CENTER)
-        visible = picture.truth.mask(part) & whole.mask
+    for part, X_CO in enumerate(truth.X_CO_true):
+        whole = silhouette(truth.mesh, X_CO, truth.camera, pixel_center=PIXEL_CENTER)
+        visible = truth.mask(part) & whole.mask
         bop.write_mask(bop.mask_path(scene, im_id, part, visible=False), whole.mask)
         bop.write_mask(bop.mask_path(scene, im_id, part), visible)
         infos.append(_info(whole.area_px, boxes[part], visible, whole.mask & (picture.depth > 0)))
-    return Labels(
-        bop.ImageCamera(camera.K, DEPTH_SCALE, picture.X_CW), [bop.GroundTruth(OBJECT, X) for X in X_CO], infos
-    )
+    camera = bop.ImageCamera(truth.camera.K, DEPTH_SCALE, picture.X_CW)
+    return Labels(camera, [bop.GroundTruth(OBJECT, X_CO) for X_CO in truth.X_CO_true], infos)
 
 
 def write_scene(scene: Path, labels: Mapping[int, Labels]) -> None:

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 import cv2
 import numpy as np
@@ -10,9 +11,9 @@ from numpy.typing import NDArray
 from maskval import Camera, Pose
 from sim.images.generated import Recipe, scatter, truth_of
 from sim.images.heap import Heap, drop
-from sim.images.photo_renderer import Photograph, photograph
-from sim.images.randomization import SurfaceSampler, lamps, room
-from sim.images.textures import Picture, background
+from sim.images.photo_renderer import Photograph, PhotoRenderer
+from sim.images.randomization import ROOM_HALF_SIZE, SurfaceSampler, lamps, room
+from sim.images.textures import Picture, background, noise
 from sim.instance_ids import NO_INSTANCE
 from sim.model.parts import PartModel
 from sim.networks.ground_truth import FrameTruth
@@ -23,7 +24,6 @@ _HEAP_RADIUS = (0.05, 0.30)  # m
 _ELEVATION_DEG = (25.0, 90.0)  # of the camera's axis over the floor
 _MARGIN = 0.2  # of the image at each border, where the middle of the part aimed at does not lie
 _LOWEST_CAMERA, _NEAREST_BODY = 0.15, 0.25  # m: the camera stands in nothing
-_ROOM_HALF_SIZE = (1.6, 2.4)  # m
 
 Array = NDArray[np.float64]
 
@@ -45,50 +45,63 @@ class LabelledPicture:
     X_CW: Pose | None
 
 
-def heap_picture(model: PartModel, camera: Camera, streams: Streams, textured: float) -> LabelledPicture:
+def heap_picture(
+    model: PartModel, renderer: PhotoRenderer, streams: Streams, textured: float, views_per_heap: int = 1
+) -> LabelledPicture:
     """S1: parts and clutter that fell onto the floor of a room, seen from random directions.
 
     Args:
         model: the kind of part.
-        camera: intrinsics and image size.
+        renderer: takes the picture.
         streams: the root of the picture's random numbers; the experiment is the picture's number.
         textured: share of parts with a random texture instead of their own colour, in [0, 1].
+        views_per_heap: how many pictures, whose numbers follow one another, show the same heap; room, surfaces,
+            lamps and camera are each one's own.
 
     Raises:
         DivergenceError: no heap came to rest.
         GraphicsError: there is no off-screen OpenGL.
     """
-    rng = streams.generator(0, "heap picture")
-    parts, clutter = (int(rng.integers(*span, endpoint=True)) for span in (HEAP.parts, HEAP.clutter))
-    heap = drop(model, parts, clutter, rng.uniform(*_HEAP_RADIUS), rng)
-    half_size = rng.uniform(*_ROOM_HALF_SIZE, size=2)
+    rng, camera = streams.generator(0, "heap picture"), renderer.camera
+    heap = _heap(model, Streams(streams.seed, streams.experiment // views_per_heap, streams.part_name))
+    half_size = rng.uniform(*ROOM_HALF_SIZE, size=2)
     X_CW = _viewpoint(model, heap, camera, half_size, rng)
-    sampler = SurfaceSampler(model, textured, rng)
     bodies = (
         *((model.part.mesh, X_CW @ X, part) for part, X in enumerate(heap.X_WO)),
         *((mesh, X_CW @ X, NO_INSTANCE) for mesh, X in heap.clutter),
     )
-    photo = photograph(sampler.with_surfaces(bodies), room(X_CW, half_size, rng), *lamps(X_CW, rng), camera)
+    dressed = SurfaceSampler(model, textured, rng).with_surfaces(bodies)
+    photo = renderer.photograph(dressed, room(X_CW, half_size, rng), *lamps(X_CW, rng))
     truth = truth_of(bodies, photo.instance_ids, model.part.mesh, camera, streams.experiment)
     return LabelledPicture(expose(photo.rgb, rng), photo.depth, truth, X_CW)
 
 
-def pasted_picture(model: PartModel, camera: Camera, streams: Streams, textured: float) -> LabelledPicture:
+@lru_cache(maxsize=1)
+def _heap(model: PartModel, streams: Streams) -> Heap:
+    """The heap of these streams; the last one is kept."""
+    rng = streams.generator(0, "heap")
+    parts, clutter = (int(rng.integers(*span, endpoint=True)) for span in (HEAP.parts, HEAP.clutter))
+    return drop(model, parts, clutter, rng.uniform(*_HEAP_RADIUS), rng)
+
+
+def pasted_picture(
+    model: PartModel, renderer: PhotoRenderer, streams: Streams, textured: float, _: int = 1
+) -> LabelledPicture:
     """S2: parts and clutter in the air, scattered as in `sim.images.generated`, pasted over a background picture.
 
     Args:
         model: the kind of part.
-        camera: intrinsics and image size.
+        renderer: takes the picture.
         streams: the root of the picture's random numbers; the experiment is the picture's number.
         textured: share of parts with a random texture instead of their own colour, in [0, 1].
 
     Raises:
         GraphicsError: there is no off-screen OpenGL.
     """
-    rng = streams.generator(0, "pasted picture")
+    rng, camera = streams.generator(0, "pasted picture"), renderer.camera
     bodies = scatter(model.part.mesh, camera, Recipe(), streams)
     dressed = SurfaceSampler(model, textured, rng).with_surfaces(bodies)
-    photo = photograph(dressed, [], *lamps(_TOWARDS_CAMERA, rng), camera)
+    photo = renderer.photograph(dressed, [], *lamps(_TOWARDS_CAMERA, rng))
     pasted = paste(photo, background(camera.height, camera.width, rng), rng.uniform(0.2, 0.8))
     truth = truth_of(bodies, photo.instance_ids, model.part.mesh, camera, streams.experiment)
     return LabelledPicture(expose(pasted, rng), photo.depth, truth, None)
@@ -117,9 +130,11 @@ def expose(rgb: NDArray[np.float32], rng: np.random.Generator) -> Picture:
     """The picture as a sensor gives it, (H, W, 3): a little blur, gain, tint and noise."""
     blurred = cv2.GaussianBlur(rgb, (0, 0), rng.uniform(0.2, 0.7))
     gain = rng.uniform(0.8, 1.25) * rng.uniform(0.95, 1.05, 3)
-    noise = rng.standard_normal(rgb.shape, dtype=np.float32) * np.float32(rng.uniform(0.5, 4.0))
-    exposed: Picture = np.clip(np.rint(blurred * gain.astype(np.float32) + noise), 0, 255).astype(np.uint8)
-    return exposed
+    exposed = noise(rgb.shape, rng.uniform(0.5, 4.0), rng)
+    exposed += cv2.multiply(blurred, np.array((*gain, 0.0)))
+    np.rint(exposed, out=exposed)
+    picture: Picture = np.clip(exposed, 0, 255, out=exposed).astype(np.uint8)
+    return picture
 
 
 def _viewpoint(model: PartModel, heap: Heap, camera: Camera, half_size: Array, rng: np.random.Generator) -> Pose:

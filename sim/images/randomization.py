@@ -8,12 +8,14 @@ from numpy.typing import NDArray
 
 from maskval import Pose
 from sim.images.generated import Body
-from sim.images.photo_renderer import Light, Surface, SurfacedBody, Wall
-from sim.images.textures import random_color, texture
+from sim.images.photo_scene import Light, Surface, SurfacedBody, Wall
+from sim.images.textures import between, noise, random_color, texture
 from sim.instance_ids import NO_INSTANCE
 from sim.model.parts import PartModel
 
 _BODY_TEXELS, _WALL_TEXELS = 64, 256
+_PART_GRAIN = 0.03  # standard deviation of a part's own colour over its surface
+ROOM_HALF_SIZE = (1.6, 2.4)  # m: how small and how large
 _WALL_HEIGHT = 2.0  # m
 _AMBIENT = (0.20, 0.45)
 _LAMPS = (1, 3)
@@ -45,8 +47,9 @@ class SurfaceSampler:
         if self._rng.uniform() < self._textured:
             return self.other()
         color = np.array(self._model.rgba[:3]) * self._rng.uniform(0.8, 2.0) * self._rng.uniform(0.9, 1.1, 3)
-        grain = 1.0 + self._rng.normal(0.0, 0.03, (6 * _BODY_TEXELS, _BODY_TEXELS, 1))
-        picture = np.clip(255 * color * grain, 0, 255).astype(np.uint8)
+        grain = noise((6 * _BODY_TEXELS, _BODY_TEXELS), 1.0, self._rng)
+        dark, pale = (color * (1 + 4 * sign * _PART_GRAIN) for sign in (-1, 1))
+        picture = between(0.5 + grain / 8, dark, pale)
         gloss = self._rng.uniform(0.4, 1.2, 2) * (self._model.specular, self._model.shininess)
         return Surface(picture, *np.clip(gloss, 0.0, 1.0).tolist())
 
@@ -57,21 +60,21 @@ class SurfaceSampler:
 
 
 def room(X_CW: Pose, half_size: Array, rng: np.random.Generator) -> list[Wall]:
-    """A floor and four walls.
+    """A floor and four walls, each of which goes on behind the next one.
 
     Args:
         X_CW: pose of the floor's middle, z up.
         half_size: of the floor along W's x and y, (2,) m.
         rng: what their pictures are drawn from.
     """
-    x, y = half_size.tolist()
-    walls = [Wall(X_CW, (x, y), _wall_surface(rng))]
+    longest = ROOM_HALF_SIZE[1]
+    walls = [Wall(X_CW, (longest, longest), _wall_surface(rng))]
     paper = _wall_surface(rng)
-    for side, (distance, width) in enumerate(((x, y), (y, x)) * 2):
+    for side, distance in enumerate((*half_size.tolist(), *half_size.tolist())):
         turn = Pose.from_rotvec((0.0, 0.0, side * math.pi / 2))
         # A plane that faces the room: its z axis along −x of the turned frame.
         upright = Pose.from_rotvec((0.0, -math.pi / 2, 0.0), (distance, 0.0, _WALL_HEIGHT / 2))
-        walls.append(Wall(X_CW @ turn @ upright, (_WALL_HEIGHT / 2, width), paper))
+        walls.append(Wall(X_CW @ turn @ upright, (_WALL_HEIGHT / 2, longest), paper))
     return walls
 
 

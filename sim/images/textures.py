@@ -1,16 +1,22 @@
 """Random pictures: surfaces for bodies and rooms, and heterogeneous backgrounds to paste bodies over."""
 
+import math
 from collections.abc import Callable
+from typing import Any
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import ndtri
 
 Picture = NDArray[np.uint8]
 Pattern = NDArray[np.float32]  # (H, W) in [0, 1], how far a pixel is from one colour to another
 
 _PATCHES = (8, 40)  # things in a background
 _SOFT_PATCH = 0.3  # share of them that are out of focus
+_GRAIN_PX = 256  # of the longer side: grain is no finer than a 64th of it, and is enlarged from there
+# Of the normal distribution, by 16 bits.
+_QUANTILES = ndtri((np.arange(2**16) + 0.5) / 2**16).astype(np.float32)
 
 
 def random_color(rng: np.random.Generator) -> NDArray[np.float32]:
@@ -20,87 +26,121 @@ def random_color(rng: np.random.Generator) -> NDArray[np.float32]:
     return color
 
 
+def noise(shape: tuple[int, ...], deviation: float, rng: np.random.Generator) -> NDArray[np.float32]:
+    """Normal noise, from 16 random bits each: in half the time that the generator's own takes."""
+    bits = np.frombuffer(rng.bytes(2 * math.prod(shape)), dtype="<u2")
+    drawn: NDArray[np.float32] = (np.float32(deviation) * _QUANTILES).take(bits).reshape(shape)
+    return drawn
+
+
+def between(pattern: NDArray[Any], one: NDArray[Any], other: NDArray[Any]) -> Picture:
+    """The picture whose pixels are so far from one colour to another, (H, W, 3)."""
+    steps = np.clip(255 * pattern, 0, 255).astype(np.uint8)
+    colors = one + np.linspace(0, 1, 256)[:, None] * (other - one)
+    table = np.clip(np.rint(255 * colors), 0, 255).astype(np.uint8)[None]
+    picture: Picture = cv2.LUT(cv2.merge((steps, steps, steps)), table)
+    return picture
+
+
 def texture(height: int, width: int, rng: np.random.Generator) -> Picture:
     """A surface of two colours, (H, W, 3): grained, checked, striped, speckled or nearly plain."""
-    pattern = _PATTERNS[rng.integers(len(_PATTERNS))](height, width, rng)
-    pattern = np.clip(pattern + rng.normal(0.0, 0.03, pattern.shape).astype(np.float32), 0.0, 1.0)
-    one, other = random_color(rng), random_color(rng)
-    return np.rint(255 * (one + pattern[..., None] * (other - one))).astype(np.uint8)
+    pattern = _PATTERNS[rng.integers(len(_PATTERNS))](height, width, rng) + noise((height, width), 0.03, rng)
+    return between(pattern, random_color(rng), random_color(rng))
 
 
 def background(height: int, width: int, rng: np.random.Generator) -> Picture:
     """A random background, (H, W, 3): patches of all kinds and sizes under uneven light."""
     picture = texture(height, width, rng)
     for _ in range(rng.integers(*_PATCHES)):
-        mask = _patch(height, width, rng)
-        if rng.uniform() < _SOFT_PATCH:
-            mask = cv2.GaussianBlur(mask, (0, 0), rng.uniform(1.0, 8.0)).astype(np.float32, copy=False)
-        left, top, across, down = cv2.boundingRect((mask > 0).astype(np.uint8))
-        window = (slice(top, top + down), slice(left, left + across))
-        share, under = mask[window][..., None], picture[window].astype(np.float32)
-        textured = rng.uniform() < 0.6 and across > 0
-        filling = texture(down, across, rng) if textured else 255 * random_color(rng)
-        picture[window] = np.rint(under + share * (filling - under)).astype(np.uint8)
+        _add_patch(picture, rng)
     light = 0.6 + 0.7 * _grain(height, width, rng, coarsest=1.5)
-    return np.clip(picture * light[..., None], 0, 255).astype(np.uint8)
+    return cv2.multiply(picture, cv2.merge((light, light, light)), dtype=cv2.CV_8U).astype(np.uint8, copy=False)
 
 
-def _patch(height: int, width: int, rng: np.random.Generator) -> Pattern:
-    """1 inside of a random ellipse or polygon."""
-    mask = np.zeros((height, width), dtype=np.float32)
+def _add_patch(picture: Picture, rng: np.random.Generator) -> None:
+    """Lays a patch of one colour or texture over the picture, sharp or out of focus."""
+    height, width, _ = picture.shape
+    corners = _outline(height, width, rng)
+    blur_px = rng.uniform(1.0, 8.0) if rng.uniform() < _SOFT_PATCH else 0.0
+    margin = math.ceil(3 * blur_px)
+    low = np.maximum(corners.min(axis=0) - margin, 0)
+    high = np.minimum(corners.max(axis=0) + margin + 1, (width, height))
+    textured, color = rng.uniform() < 0.6, random_color(rng)
+    if (high <= low).any():
+        return
+    window = picture[low[1] : high[1], low[0] : high[0]]
+    rows, columns, _ = window.shape
+    mask = np.zeros((rows, columns), dtype=np.uint8)
+    cv2.fillPoly(mask, [corners - low], 255)
+    filling = texture(rows, columns, rng) if textured else np.full_like(window, np.rint(255 * color))
+    if blur_px:
+        share = cv2.GaussianBlur(mask, (0, 0), blur_px).astype(np.float32) / 255
+        window[:] = cv2.blendLinear(filling, np.ascontiguousarray(window), share, 1 - share)
+    else:
+        cv2.copyTo(filling, mask, window)
+
+
+def _outline(height: int, width: int, rng: np.random.Generator) -> NDArray[np.int32]:
+    """The corners (u, v) of a random polygon, or of an ellipse by many corners, (N, 2) px."""
     center = rng.uniform((0, 0), (width, height))
     size = 0.5 * max(height, width) * rng.uniform(0.05, 1.0) ** 2 + 3.0
     if rng.uniform() < 0.4:
         axes = (int(size), int(size * rng.uniform(0.2, 1.0)) + 1)
-        cv2.ellipse(mask, (int(center[0]), int(center[1])), axes, float(rng.uniform(0, 180)), 0, 360, 1.0, cv2.FILLED)
-        return mask
+        middle = (int(center[0]), int(center[1]))
+        return np.asarray(cv2.ellipse2Poly(middle, axes, int(rng.integers(180)), 0, 360, 5), dtype=np.int32)
     angles = np.sort(rng.uniform(0, 2 * np.pi, rng.integers(3, 8)))
     corners = center + size * np.column_stack((np.cos(angles), np.sin(angles)))
-    cv2.fillPoly(mask, [np.rint(corners).astype(np.int32)], 1.0)
-    return mask
+    return np.rint(corners).astype(np.int32)
 
 
 def _grain(height: int, width: int, rng: np.random.Generator, coarsest: float = 4.0) -> Pattern:
     """Value noise: octaves of random grids, each twice as fine and at a random lower weight."""
-    total = np.zeros((height, width), dtype=np.float32)
+    longest = max(height, width)
+    size = tuple(max(2, math.ceil(min(1.0, _GRAIN_PX / longest) * side)) for side in (width, height))
+    total = np.zeros(size[::-1], dtype=np.float32)
     cells, weight = coarsest, 1.0
     while cells < 64:
-        rows, columns = (max(2, round(cells * side / max(height, width)) + 1) for side in (height, width))
+        rows, columns = (max(2, round(cells * side / longest) + 1) for side in (height, width))
         grid = rng.uniform(-1, 1, (rows, columns)).astype(np.float32)
-        total += weight * cv2.resize(grid, (width, height), interpolation=cv2.INTER_CUBIC)
+        total += weight * cv2.resize(grid, size, interpolation=cv2.INTER_CUBIC)
         cells, weight = 2 * cells, weight * rng.uniform(0.3, 0.8)
     low, high = float(total.min()), float(total.max())
-    return (total - low) / (high - low)
+    return cv2.resize((total - low) / (high - low), (width, height)).astype(np.float32, copy=False)
 
 
 def _plain(height: int, width: int, rng: np.random.Generator) -> Pattern:
     return 0.15 * _grain(height, width, rng)
 
 
-def _waves(height: int, width: int, rng: np.random.Generator) -> tuple[Pattern, Pattern]:
-    """Two sines across one another, of random period and direction."""
-    v, u = np.mgrid[:height, :width].astype(np.float32) / max(height, width)
-    angle, period = rng.uniform(0, np.pi), 0.5 ** rng.uniform(1.5, 5.0)
-    along = (u * np.cos(angle) + v * np.sin(angle)) * np.float32(2 * np.pi / period)
-    across = (v * np.cos(angle) - u * np.sin(angle)) * np.float32(2 * np.pi / period)
-    return np.sin(along), np.sin(across)
+def _wave(height: int, width: int, angle: float, period: float) -> Pattern:
+    """A sine of the place along a direction (rad); the period is a share of the longer side."""
+    turns = 2 * np.pi / (period * max(height, width))
+    across = np.arange(width, dtype=np.float32) * np.float32(turns * np.cos(angle))
+    down = (np.arange(height, dtype=np.float32) * np.float32(turns * np.sin(angle)))[:, None]
+    wave: Pattern = np.sin(across) * np.cos(down) + np.cos(across) * np.sin(down)
+    return wave
+
+
+def _direction(rng: np.random.Generator) -> tuple[float, float]:
+    """Angle (rad) and period of a wave."""
+    return rng.uniform(0, np.pi), 0.5 ** rng.uniform(1.5, 5.0)
 
 
 def _stripes(height: int, width: int, rng: np.random.Generator) -> Pattern:
-    wave, _ = _waves(height, width, rng)
-    pattern: Pattern = np.clip(0.5 + rng.uniform(0.5, 5.0) * wave, 0, 1).astype(np.float32)
+    pattern: Pattern = np.clip(0.5 + rng.uniform(0.5, 5.0) * _wave(height, width, *_direction(rng)), 0, 1)
     return pattern
 
 
 def _checks(height: int, width: int, rng: np.random.Generator) -> Pattern:
-    one, other = _waves(height, width, rng)
-    pattern: Pattern = np.clip(0.5 + 5.0 * one * other, 0, 1).astype(np.float32)
+    angle, period = _direction(rng)
+    one, other = (_wave(height, width, angle + turn, period) for turn in (0, np.pi / 2))
+    pattern: Pattern = np.clip(0.5 + 5.0 * one * other, 0, 1)
     return pattern
 
 
 def _speckles(height: int, width: int, rng: np.random.Generator) -> Pattern:
     grain = _grain(height, width, rng, coarsest=12.0)
-    pattern: Pattern = np.clip(8.0 * (grain - rng.uniform(0.4, 0.7)), 0, 1).astype(np.float32)
+    pattern: Pattern = np.clip(8.0 * (grain - rng.uniform(0.4, 0.7)), 0, 1)
     return pattern
 
 

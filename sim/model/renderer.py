@@ -2,6 +2,8 @@
 
 import os
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from importlib import import_module
 from typing import Any
 
@@ -40,16 +42,8 @@ class Renderer:
     """An off-screen renderer of one model; holds an OpenGL context, so make few and `close` them."""
 
     def __init__(self, mj_model: mujoco.MjModel, height: int, width: int) -> None:
-        try:
-            _choose_platform()
+        with opened_opengl():
             self._renderer: Any = mujoco.Renderer(mj_model, height, width)
-        except Exception as error:  # the bindings raise whatever their platform's loader raises
-            chosen = os.environ.get(_PLATFORM)
-            raise GraphicsError(
-                f"no off-screen OpenGL, which pictures need ({type(error).__name__}: {error}"
-                f"{f'; {_PLATFORM} is {chosen}' if chosen else ''}); expected EGL or OSMesa: "
-                f"apt-get install {GL_PACKAGES}, then set {_PLATFORM} to egl or osmesa"
-            ) from error
         names = (mujoco.mj_id2name(mj_model, mujoco.mjtObj.mjOBJ_GEOM, geom) or "" for geom in range(mj_model.ngeom))
         numbers = [int(name.removeprefix("part_")) if name.startswith("part_") else NO_INSTANCE for name in names]
         self._part_of_geom = np.array([*numbers, NO_INSTANCE], dtype=np.int8)  # the last for -1, the background
@@ -86,6 +80,25 @@ class Renderer:
         self._renderer.update_scene(data, camera)
         image: NDArray[Any] = self._renderer.render()
         return image
+
+
+@contextmanager
+def opened_opengl() -> Iterator[None]:
+    """Opens off-screen OpenGL in its block.
+
+    Raises:
+        GraphicsError: there is none.
+    """
+    try:
+        _choose_platform()
+        yield
+    except Exception as error:  # the bindings raise whatever their platform's loader raises
+        chosen = os.environ.get(_PLATFORM)
+        raise GraphicsError(
+            f"no off-screen OpenGL, which pictures need ({type(error).__name__}: {error}"
+            f"{f'; {_PLATFORM} is {chosen}' if chosen else ''}); expected EGL or OSMesa: "
+            f"apt-get install {GL_PACKAGES}, then set {_PLATFORM} to egl or osmesa"
+        ) from error
 
 
 def _choose_platform() -> None:

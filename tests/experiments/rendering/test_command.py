@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from pathlib import Path
 
+import cv2
 import numpy as np
 import pytest
 
@@ -30,6 +31,11 @@ WRONG = [  # arguments, words that the one line of error must hold
     (["--split", "models"], ["not models"]),
     (["--textured", "1.5"], ["--textured in 0..1", "got 1.5"]),
     (["--textured", "nan"], ["--textured in 0..1", "got nan"]),
+    (["--samples", "2"], ["--samples of 1, 3, 5, ...", "got 2"]),
+    (["--samples", "0"], ["--samples of at least 1", "got 0"]),
+    (["--views-per-heap", "3"], ["--views-per-heap that divides 1000", "got 3"]),
+    (["--views-per-heap", "0"], ["--views-per-heap of at least 1", "got 0"]),
+    (["--rgb", "gif"], ["--rgb", "png", "jpg"]),
     (["--seed", "-1"], ["--seed of at least 0", "got -1"]),
     (["--jobs", "-1"], ["--jobs of at least 0", "got -1"]),
     (["--objects", "handle"], ["--objects", "valid options of render-dataset", "--object", "--textured"]),
@@ -69,7 +75,7 @@ def test_the_pictures_do_not_depend_on_the_number_of_workers(
     contents = []
     for jobs in (1, 2):
         out = tmp_path / str(jobs)
-        told = command(capsys, "render-dataset", "--images", 2, "--jobs", jobs, "--out", out)
+        told = command(capsys, "render-dataset", "--images", 2, "--samples", 1, "--jobs", jobs, "--out", out)
         assert told.code == 0
         assert "2 pictures" in told.out
         files = sorted(path for path in out.rglob("*") if path.is_file() and path.name != "manifest.json")
@@ -78,7 +84,7 @@ def test_the_pictures_do_not_depend_on_the_number_of_workers(
     assert contents[0] == contents[1]
 
 
-def quick(model: object, camera: object, streams: Streams, textured: float) -> LabelledPicture:
+def quick(model: object, renderer: object, streams: Streams, textured: float, views: int) -> LabelledPicture:
     """Stands in for a style where only files matter."""
     truth = make_image(load_part("antenna").part.mesh, CAMERA, Recipe(parts=(1, 1), clutter=(0, 0)), streams).truth
     black = np.zeros((480, 640, 3), dtype=np.uint8)
@@ -147,3 +153,25 @@ def test_a_mesh_of_ones_own_can_be_rendered(tmp_path: Path, fast: Callable[..., 
     (tmp_path / "mine.toml").write_text(text)
     fast(tmp_path / "set", images=1, object=str(tmp_path / "mine.toml"))
     assert isinstance(bop.Dataset(tmp_path / "set").mesh(1), Mesh)
+
+
+@pytest.mark.parametrize(
+    ("views", "images", "batches"), [(1, 25, [10, 10, 5]), (4, 45, [20, 20, 5]), (50, 60, [50, 10])]
+)
+def test_the_views_of_a_heap_are_in_one_batch_and_scene(views: int, images: int, batches: list[int]) -> None:
+    made = RenderDataset(images=images, views_per_heap=views).batches
+    assert [len(batch) for batch in made] == batches
+    assert [number for batch in made for number in batch] == list(range(images))
+    assert all(batch[0] % views == 0 for batch in made)
+    assert all(
+        batch[0] // 1000 == batch[-1] // 1000 for batch in RenderDataset(images=3000, views_per_heap=views).batches
+    )
+
+
+def test_rgb_is_written_as_jpg_on_demand(fast: Callable[..., RenderDataset], tmp_path: Path) -> None:
+    fast(tmp_path / "set", images=1, rgb="jpg")
+    (rgb,) = (tmp_path / "set" / "test" / "000000" / "rgb").iterdir()
+    assert rgb.name == "000000.jpg"
+    picture = cv2.imread(str(rgb), cv2.IMREAD_UNCHANGED)
+    assert picture is not None
+    assert (picture.shape, picture.max()) == ((480, 640, 3), 0)

@@ -48,11 +48,11 @@ class Rendered:
         return image
 
 
-@pytest.fixture(scope="module", params=[("s1", "handle"), ("s2", "antenna")], ids=" ".join)
+@pytest.fixture(scope="module", params=[("s1", "handle", 3), ("s2", "antenna", 1)], ids=lambda given: given[0])
 def rendered(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Rendered:
-    style, object_ = request.param
+    style, object_, samples = request.param
     folder = tmp_path_factory.mktemp(style) / "set"
-    config = RenderDataset(style=style, object=object_, images=IMAGES, seed=4, jobs=1, out=folder)
+    config = RenderDataset(style=style, object=object_, images=IMAGES, samples=samples, seed=4, jobs=1, out=folder)
     assert render_dataset.render_dataset(config) == 0
     return Rendered(folder, object_)
 
@@ -95,7 +95,7 @@ def test_whole_masks_are_the_projected_triangles(rendered: Rendered) -> None:
 
 
 def test_visible_masks_are_where_no_other_thing_is_nearer(rendered: Rendered) -> None:
-    """Depth comes from MuJoCo, the part's own depth from maskval's float64 kernel in NumPy."""
+    """Depth comes from the z-buffer of all bodies, the part's own depth from the kernel in NumPy."""
     seen, hidden = [], []
     for im, i, truth, _ in rendered.parts():
         own = depth_image(rendered.mesh, truth.X_CO, CAMERA, pixel_center=0.5, implementation="numpy")
