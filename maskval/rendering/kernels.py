@@ -170,6 +170,16 @@ def measure(
 
 
 @jit
+def areas(edges: ContourEdges, frame: Frame, poses: tuple[Floats, Floats]) -> Ints:
+    """Pixels of silhouettes on the canvas, and of their parts in the image, (N, 2); arguments as of `measure`."""
+    rotations, translations = poses
+    counts = np.empty((len(rotations), 2), dtype=np.int64)
+    for n in range(len(rotations)):
+        _, counts[n, 0], counts[n, 1] = _clip(spans(edges, frame, rotations[n], translations[n]), frame)
+    return counts
+
+
+@jit
 def draw(edges: ContourEdges, frame: Frame, rotation: Floats, translation: Floats, mask: NDArray[np.bool_]) -> int:
     """Sets the pixels of a silhouette in a mask; its area on the canvas."""
     found, whole, _ = _clip(spans(edges, frame, rotation, translation), frame)

@@ -41,6 +41,12 @@ def measure(
     return iou, visibility
 
 
+def areas(edges: ContourEdges, frame: Frame, poses: tuple[Floats, Floats]) -> Ints:
+    """See `kernels.areas`."""
+    wholes = [spans(edges, frame, rotation, translation) for rotation, translation in zip(*poses, strict=True)]
+    return np.array([(_area(whole), _area(_clip(whole, frame))) for whole in wholes], dtype=np.int64).reshape(-1, 2)
+
+
 def draw(edges: ContourEdges, frame: Frame, rotation: Floats, translation: Floats, mask: NDArray[np.bool_]) -> int:
     """See `kernels.draw`."""
     whole = spans(edges, frame, rotation, translation)

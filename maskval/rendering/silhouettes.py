@@ -134,11 +134,8 @@ def silhouette_areas(
         canvas: Where the whole silhouette is counted: "full", or "3x3" images, as BOP does.
         implementation: "numba", or the slower "numpy" of the same result, which compiles nothing.
     """
-    view = views(mesh.edges, poses, camera, pixel_center=pixel_center, canvas=canvas)
-    no_masks = np.empty((0, camera.height, -(-camera.width // 64)), dtype=np.uint64)
-    no_masks.setflags(write=False)
-    areas, _ = _kernel(implementation).measure(mesh.edges, view, no_masks, False)
-    return areas
+    seen = frame(camera, pixel_center=pixel_center, canvas=canvas)
+    return _kernel(implementation).areas(mesh.edges, seen, stacked(poses))
 
 
 def silhouette_boxes(
@@ -184,6 +181,8 @@ class _Kernel(Protocol):
     def draw(
         self, edges: ContourEdges, frame: Frame, rotation: Floats, translation: Floats, mask: NDArray[np.bool_]
     ) -> int: ...
+
+    def areas(self, edges: ContourEdges, frame: Frame, poses: tuple[Floats, Floats]) -> NDArray[np.int64]: ...
 
     def measure(
         self,
