@@ -11,7 +11,6 @@ import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, requires, version
-from pathlib import Path
 from tempfile import TemporaryFile
 from typing import Any
 
@@ -137,18 +136,20 @@ def _opengl(name: str, libraries: str) -> Finding:
 
 
 def _numba_cache() -> Finding:
-    """Whether compiled kernels can be cached; without a cache, every process compiles for half a minute."""
-    remedy = "export NUMBA_CACHE_DIR=$HOME/.cache/numba"
+    """Whether compiled kernels can be kept; if not, every process compiles for some 20 s."""
+    name, remedy = "Numba's cache", "export NUMBA_CACHE_DIR=$HOME/.cache/numba"
     try:
         from maskval.rendering import kernels  # noqa: PLC0415  # Numba takes a second
 
         kernel: Any = kernels.spans
-        folder = Path(kernel.stats.cache_path)
-        folder.mkdir(parents=True, exist_ok=True)
+        folder = kernel.stats.cache_path
+        if folder is None:
+            return Finding(name, False, "no folder that Numba can write to", remedy, needed=False)
+        os.makedirs(folder, exist_ok=True)
         TemporaryFile(dir=folder).close()
-    except (OSError, RuntimeError, ImportError) as error:
-        return Finding("Numba's cache", False, str(error), remedy)
-    return Finding("Numba's cache", True, str(folder), remedy)
+    except (OSError, ImportError) as error:
+        return Finding(name, False, str(error), remedy, isinstance(error, ImportError))
+    return Finding(name, True, folder, remedy)
 
 
 if __name__ == "__main__":

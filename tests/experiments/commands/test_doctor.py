@@ -3,10 +3,12 @@ from importlib.metadata import PackageNotFoundError
 from pathlib import Path
 from typing import Any
 
+import numba
 import pytest
 
 from experiments.commands import doctor as doctor_module
 from experiments.commands.doctor import findings, meets
+from maskval.rendering import kernels
 from tests.experiments.command import command
 
 
@@ -109,15 +111,24 @@ def test_a_version_meets_a_requirement_within_its_bounds(found: str, requirement
     assert meets(found, requirement) is fits
 
 
-def test_a_cache_that_cannot_be_written_to_is_broken(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_cache_that_cannot_be_written_to_is_missing_and_breaks_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     def refuse(dir: Path) -> None:
         raise PermissionError(13, "Permission denied", str(dir))
 
     opengl(monkeypatch, "egl", "osmesa")
     monkeypatch.setattr(doctor_module, "TemporaryFile", refuse)  # the superuser may write anywhere
     (found,) = [one for one in findings() if one.name == "Numba's cache"]
-    assert (found.works, found.needed, "Permission denied" in found.found) == (False, True, True)
+    assert (found.works, found.needed, "Permission denied" in found.found) == (False, False, True)
     assert found.remedy == "export NUMBA_CACHE_DIR=$HOME/.cache/numba"
+
+
+def test_kernels_without_any_folder_for_them_are_said_to_be_compiled_in_every_process(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(kernels, "spans", numba.njit(lambda: 0))  # as where Numba found no folder
+    opengl(monkeypatch, "egl", "osmesa")
+    (found,) = [one for one in findings() if one.name == "Numba's cache"]
+    assert (found.works, found.needed, found.found) == (False, False, "no folder that Numba can write to")
 
 
 def test_little_memory_breaks_nothing_but_says_how_many_processes_fit(
