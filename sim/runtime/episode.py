@@ -43,7 +43,7 @@ def build_cell(part: str, parts: int, conditions: Conditions, maker_meshes: bool
     """
     layout, model = Layout(belt=belt_under(conditions, parts)), load_part(part)
     world = World(layout, model, parts, conditions, maker_meshes)
-    compile_for_networks(model.part.mesh, layout.camera)
+    compile_for_networks(model, layout.camera)
     return SimCell(world, WristCamera(world))
 
 
