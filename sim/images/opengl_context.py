@@ -36,11 +36,7 @@ class OpenGLContext:
     def fits(self, model: mujoco.MjModel) -> bool:
         """Whether there is room for what this model draws; both have one material for each texture, in order."""
         room = self._model
-        return (
-            model.nmesh <= room.nmesh
-            and np.array_equal(model.tex_type, room.tex_type[: model.ntex])
-            and np.array_equal(_planes(model), _planes(room))
-        )
+        return model.nmesh <= room.nmesh and model.ntex <= room.ntex and np.array_equal(_planes(model), _planes(room))
 
     def draw(self, model: mujoco.MjModel) -> NDArray[np.uint8]:
         """What the model's first camera sees, (H, W, 3).

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import mujoco
 import numpy as np
@@ -12,7 +13,7 @@ from sim.images.textures import Picture
 from sim.model.renderer import pinhole
 
 NEAR, _FAR = 0.01, 20.0  # m
-_SHADOWED = 1.5  # m around the middle of a lamp far away, in which bodies throw shadows
+_SHADOWED = 1.0  # m around the middle of a lamp far away, in which bodies throw shadows
 
 Array = NDArray[np.float64]
 
@@ -59,25 +60,31 @@ class Wall:
     @property
     def mesh(self) -> Mesh:
         """Its shape in P: two triangles."""
-        x, y = self.half_size
-        corners = np.array([(-x, -y, 0.0), (x, -y, 0.0), (x, y, 0.0), (-x, y, 0.0)])
-        return Mesh(corners, np.array([(0, 1, 2), (0, 2, 3)]))
+        return _rectangle(*self.half_size)
+
+
+@lru_cache(maxsize=16)
+def _rectangle(x: float, y: float) -> Mesh:
+    corners = np.array([(-x, -y, 0.0), (x, -y, 0.0), (x, y, 0.0), (-x, y, 0.0)])
+    return Mesh(corners, np.array([(0, 1, 2), (0, 2, 3)]))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Light:
-    """A lamp as far away as the sun, or a spot where `position_C` is given.
+    """A spot, or a lamp as far away as the sun.
 
     Attributes:
         direction_C: where its light goes, (3,).
         color: (3,), 1 lights a white surface fully.
-        position_C: where the spot is, (3,) m, or None.
+        position_C: where the spot is, (3,) m; of a lamp far away, where its shadows begin, in the middle of them.
+        spot: whether it is a spot.
         shadow: whether bodies throw shadows.
     """
 
     direction_C: Array
     color: Array
-    position_C: Array | None
+    position_C: Array
+    spot: bool
     shadow: bool
 
 
@@ -140,21 +147,18 @@ def _set_visual(spec: mujoco.MjSpec, ambient: float, camera: Camera) -> None:
     visual = spec.visual
     visual.quality.offsamples = 0  # the samples are the picture's own
     getattr(visual, "global").offwidth, getattr(visual, "global").offheight = camera.width, camera.height
-    spec.stat.extent, spec.stat.center = 1.0, (0.0, 0.0, 0.8)
+    spec.stat.extent = 1.0
     visual.map.znear, visual.map.zfar, visual.map.shadowclip = NEAR, _FAR, _SHADOWED
     headlight = visual.headlight
     headlight.ambient, headlight.diffuse, headlight.specular = [ambient] * 3, [0.0] * 3, [0.0] * 3
 
 
 def _add_light(spec: mujoco.MjSpec, light: Light) -> None:
-    lamp = spec.worldbody.add_light(dir=light.direction_C, castshadow=light.shadow)
+    lamp = spec.worldbody.add_light(pos=light.position_C, dir=light.direction_C, castshadow=light.shadow)
     lamp.diffuse, lamp.specular, lamp.ambient = light.color, light.color, [0.0] * 3
-    if light.position_C is None:
-        lamp.type = mujoco.mjtLightType.mjLIGHT_DIRECTIONAL
-        lamp.pos = -2.0 * light.direction_C + (0.0, 0.0, 0.8)
-    else:
-        lamp.type = mujoco.mjtLightType.mjLIGHT_SPOT
-        lamp.pos, lamp.cutoff, lamp.exponent = light.position_C, 60.0, 2.0
+    lamp.type = mujoco.mjtLightType.mjLIGHT_DIRECTIONAL
+    if light.spot:
+        lamp.type, lamp.cutoff, lamp.exponent = mujoco.mjtLightType.mjLIGHT_SPOT, 60.0, 2.0
 
 
 def _add_material(spec: mujoco.MjSpec, name: str, surface: Surface, kind: mujoco.mjtTexture) -> None:

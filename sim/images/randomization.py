@@ -22,6 +22,7 @@ _LAMPS = (1, 3)
 _LAMP_LIGHT = (0.5, 1.1)  # of all lamps together
 _LAMP_ELEVATION_DEG = 25.0  # the least
 _LAMP_DISTANCE = (0.8, 2.0)  # m, of a spot
+_FAR_LAMP = 2.0  # m from the middle of its shadows to where they begin
 
 Array = NDArray[np.float64]
 
@@ -93,9 +94,9 @@ def lamps(X_CW: Pose, rng: np.random.Generator) -> tuple[Sequence[Light], float]
         azimuth, away = rng.uniform(-math.pi, math.pi), math.sqrt(1 - height**2)
         up_C = X_CW.rotation @ (away * math.cos(azimuth), away * math.sin(azimuth), height)
         spot = rng.uniform() < 0.5
-        position = X_CW.translation + rng.uniform(*_LAMP_DISTANCE) * up_C if spot else None
+        position = X_CW.translation + (rng.uniform(*_LAMP_DISTANCE) if spot else _FAR_LAMP) * up_C
         warmth = rng.uniform(-0.12, 0.12)
-        lights.append(Light(-up_C, share * np.array((1 + warmth, 1.0, 1 - warmth)), position, shadow=index == 0))
+        lights.append(Light(-up_C, share * np.array((1 + warmth, 1.0, 1 - warmth)), position, spot, index == 0))
     return lights, float(rng.uniform(*_AMBIENT))
 
 

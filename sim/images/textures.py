@@ -15,8 +15,9 @@ Pattern = NDArray[np.float32]  # (H, W) in [0, 1], how far a pixel is from one c
 _PATCHES = (8, 40)  # things in a background
 _SOFT_PATCH = 0.3  # share of them that are out of focus
 _GRAIN_PX = 256  # of the longer side: grain is no finer than a 64th of it, and is enlarged from there
-# Of the normal distribution, by 16 bits.
-_QUANTILES = ndtri((np.arange(2**16) + 0.5) / 2**16).astype(np.float32)
+# Of the normal distribution, by 8 bits, with a variance of 1.
+_QUANTILES = ndtri((np.arange(256) + 0.5) / 256).astype(np.float32)
+_QUANTILES /= _QUANTILES.std()
 
 
 def random_color(rng: np.random.Generator) -> NDArray[np.float32]:
@@ -27,10 +28,9 @@ def random_color(rng: np.random.Generator) -> NDArray[np.float32]:
 
 
 def noise(shape: tuple[int, ...], deviation: float, rng: np.random.Generator) -> NDArray[np.float32]:
-    """Normal noise, from 16 random bits each: in half the time that the generator's own takes."""
-    bits = np.frombuffer(rng.bytes(2 * math.prod(shape)), dtype="<u2")
-    drawn: NDArray[np.float32] = (np.float32(deviation) * _QUANTILES).take(bits).reshape(shape)
-    return drawn
+    """Nearly normal noise: 256 values, at most 2.9 deviations, in a tenth of the time of a generator's own."""
+    bits = np.frombuffer(rng.bytes(math.prod(shape)), dtype=np.uint8).reshape(shape)
+    return cv2.LUT(bits, np.float32(deviation) * _QUANTILES).astype(np.float32, copy=False)
 
 
 def between(pattern: NDArray[Any], one: NDArray[Any], other: NDArray[Any]) -> Picture:
@@ -44,7 +44,7 @@ def between(pattern: NDArray[Any], one: NDArray[Any], other: NDArray[Any]) -> Pi
 
 def texture(height: int, width: int, rng: np.random.Generator) -> Picture:
     """A surface of two colours, (H, W, 3): grained, checked, striped, speckled or nearly plain."""
-    pattern = _PATTERNS[rng.integers(len(_PATTERNS))](height, width, rng) + noise((height, width), 0.03, rng)
+    pattern = _PATTERNS[rng.integers(len(_PATTERNS))](height, width, rng)
     return between(pattern, random_color(rng), random_color(rng))
 
 
@@ -70,11 +70,14 @@ def _add_patch(picture: Picture, rng: np.random.Generator) -> None:
         return
     window = picture[low[1] : high[1], low[0] : high[0]]
     rows, columns, _ = window.shape
+    if not (textured or blur_px):
+        cv2.fillPoly(window, [corners - low], np.rint(255 * color).tolist())
+        return
     mask = np.zeros((rows, columns), dtype=np.uint8)
     cv2.fillPoly(mask, [corners - low], 255)
     filling = texture(rows, columns, rng) if textured else np.full_like(window, np.rint(255 * color))
     if blur_px:
-        share = cv2.GaussianBlur(mask, (0, 0), blur_px).astype(np.float32) / 255
+        share = cv2.blur(mask, (margin + 1, margin + 1)).astype(np.float32) / 255
         window[:] = cv2.blendLinear(filling, np.ascontiguousarray(window), share, 1 - share)
     else:
         cv2.copyTo(filling, mask, window)

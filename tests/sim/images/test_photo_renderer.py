@@ -17,7 +17,7 @@ from sim.model.parts import PartModel
 CAMERA = Camera(300.0, 300.0, 130.0, 150.0, 320, 240)  # its axis is not in the middle of the image
 GREY = Surface(np.full((48, 8, 3), 128, dtype=np.uint8), 0.0, 0.0)
 HALF = np.full(3, 0.5)  # with the light that is everywhere less than 1, where the renderer saturates
-FORWARD = Light(np.array((0.0, 0.0, 1.0)), HALF, None, shadow=False)
+FORWARD = Light(np.array((0.0, 0.0, 1.0)), HALF, np.zeros(3), spot=False, shadow=False)
 BOX = clutter_shapes()[0]  # 140 × 90 × 50 mm
 
 
@@ -79,11 +79,11 @@ def test_light_falls_from_its_lamp_and_shadows_lie_behind_bodies(take: Take) -> 
     def wall_brightness(*lights: Light) -> float:
         return float(take([], [facing(1.0)], list(lights)).rgb.mean())
 
-    aside = Light(np.array((0.8, 0.0, 0.6)), HALF, None, shadow=False)
+    aside = Light(np.array((0.8, 0.0, 0.6)), HALF, np.zeros(3), spot=False, shadow=False)
     dark, oblique, frontal = wall_brightness(), wall_brightness(aside), wall_brightness(FORWARD)
     assert dark == pytest.approx(0.2 * 128, abs=2)
     assert (oblique - dark) / (frontal - dark) == pytest.approx(0.6, abs=0.02)  # Lambert's cosine
-    lamp = Light(np.array((0.0, 0.0, 1.0)), HALF, np.array((0.3, 0.0, 0.1)), shadow=True)
+    lamp = Light(np.array((0.0, 0.0, 1.0)), HALF, np.array((0.3, 0.0, 0.1)), spot=True, shadow=True)
     body = SurfacedBody(BOX, Pose.from_translation((0.05, 0.0, 0.5)), NO_INSTANCE, GREY)
     photo = take([body], [facing(1.0)], [lamp])
     # From the lamp the box hides the wall around x = 0.3 − 0.25 · 0.9 / 0.4.
