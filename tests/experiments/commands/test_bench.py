@@ -1,6 +1,7 @@
 """`graspcell bench` measures experiments that really run, and their commands again."""
 
 import re
+from importlib import import_module
 
 import numpy as np
 import pytest
@@ -29,6 +30,13 @@ def test_bench_prints_speed_floor_shares_and_memory(capsys: pytest.CaptureFixtur
     assert shares["physics, with setpoints"] > 20.0
     assert re.search(r"^1 processes do [\d.]+ × the experiments of one$", printed, re.MULTILINE)
     assert int(re.findall(r"memory of this process (\d+) MB", printed)[0]) > 50
+
+
+@pytest.mark.parametrize("stage", STAGES)
+def test_every_stage_is_a_function_that_exists(stage: str) -> None:
+    module, owner, name = STAGES[stage]
+    place = import_module(module) if owner is None else getattr(import_module(module), owner)
+    assert callable(getattr(place, name))
 
 
 def test_timers_leave_the_functions_as_they_were() -> None:
