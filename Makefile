@@ -4,13 +4,14 @@ VENV := .venv
 BIN := $(VENV)/bin
 OUT ?= out/compare
 READY := $(VENV)/.ready
+COMPILED := $(VENV)/.compiled
 
 .PHONY: run test check study thresholds goldens picture opengl clean
 
-run: $(READY)
+run: $(COMPILED)
 	$(BIN)/graspcell compare --gap fitted --thresholds paper --experiments 20 --out $(OUT)
 
-test: $(READY) opengl
+test: $(COMPILED) opengl
 	$(BIN)/python -m pytest -m "not study"
 
 check: $(READY)
@@ -20,21 +21,21 @@ check: $(READY)
 	$(BIN)/lint-imports
 
 # The thresholds that `compare` takes by default, for the error models as they are: some 10 minutes on 2 cores.
-thresholds: $(READY)
+thresholds: $(COMPILED)
 	$(BIN)/graspcell dataset --methods all --resamples 1 --out out/thresholds
 	cp out/thresholds/thresholds.toml experiments/presets/derived.toml
 
 # What every attempt of six experiments comes to, which the tests repeat as other processors would.
-goldens: $(READY)
+goldens: $(COMPILED)
 	$(BIN)/python -m tests.goldens
 
 # Measured trials of minutes: not part of `make test`. Those of learning need stable-baselines3 and torch.
-study: $(READY) opengl
+study: $(COMPILED) opengl
 	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[dev,learn]'
 	$(BIN)/python -m pytest -m study
 
 # The picture in the README.
-picture: $(READY) opengl
+picture: $(COMPILED) opengl
 	$(BIN)/graspcell picture --out docs/cell.png
 
 # The system's OpenGL libraries, which only pictures and their tests need.
@@ -45,6 +46,11 @@ $(READY): pyproject.toml constraints.txt
 	$(PYTHON) -c 'import sys; sys.exit(None if sys.version_info >= (3, 11) else "Python 3.11 or newer is needed: make PYTHON=python3.12 ...")'
 	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[dev]'
+	touch $@
+
+# Numba's kernels, compiled ahead. Its cache does not see an edit in another file, so all of them are compiled anew.
+$(COMPILED): $(READY) $(wildcard maskval/*.py maskval/rendering/*.py sim/networks/*.py sim/runtime/*.py)
+	find maskval sim -name '*.nb[ci]' -delete
 	$(BIN)/python -m sim.runtime.compile_kernels
 	touch $@
 
