@@ -57,11 +57,11 @@ def bench(config: Bench) -> int:
         print(f"\n{part}: {speed:.1f} × real time; {ratio:.2f} × the bare physics of the same commands")
         for stage, share in shares(specs).items():
             print(f"    {100 * share:5.1f} %  {stage}")
-    everything = [spec for specs in groups.values() for spec in specs]
-    print(f"\n{config.jobs} processes do {scaling(everything, config.jobs):.2f} × the experiments of one")
-    print(
-        f"memory of this process {memory(resource.RUSAGE_SELF)} MB, of a worker {memory(resource.RUSAGE_CHILDREN)} MB"
-    )
+    print(f"\nmemory of this process {memory(resource.RUSAGE_SELF)} MB")
+    if config.jobs > 1:
+        gain = scaling([spec for specs in groups.values() for spec in specs], config.jobs)
+        each = memory(resource.RUSAGE_CHILDREN)
+        print(f"{config.jobs} processes do {gain:.2f} × the experiments of one, with {each} MB each")
     return 0
 
 

@@ -1,6 +1,7 @@
 """`graspcell bench` measures experiments that really run, and their commands again."""
 
 import re
+from dataclasses import replace
 from importlib import import_module
 
 import numpy as np
@@ -28,7 +29,6 @@ def test_bench_prints_speed_floor_shares_and_memory(capsys: pytest.CaptureFixtur
     assert list(shares) == [*STAGES, "Python around them"]
     assert sum(shares.values()) == pytest.approx(100.0, abs=0.1 * len(shares))
     assert shares["physics, with setpoints"] > 20.0
-    assert re.search(r"^1 processes do [\d.]+ × the experiments of one$", printed, re.MULTILINE)
     assert int(re.findall(r"memory of this process (\d+) MB", printed)[0]) > 50
 
 
@@ -59,6 +59,13 @@ def test_a_replay_ends_where_the_experiment_did_and_another_is_an_error() -> Non
     elsewhere = Recording(recording.controls, recording.p_WO + np.array([0.01, 0.0, 0.0]))
     with pytest.raises(DivergenceError, match=r"expected the parts where they were to 1 mm, got 10\.\d mm"):
         replay(world, poses, elsewhere)
+
+
+def test_bench_says_what_a_second_process_brings(capsys: pytest.CaptureFixture[str]) -> None:
+    assert bench(replace(ONE, jobs=2)) == 0
+    printed = capsys.readouterr().out
+    (gain,) = re.findall(r"^2 processes do ([\d.]+) × the experiments of one, with \d+ MB each$", printed, re.MULTILINE)
+    assert float(gain) > 0.0
 
 
 def test_an_invalid_option_is_named() -> None:
