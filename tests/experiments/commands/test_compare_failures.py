@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from cell.interfaces import Detection, Frame
 from experiments.results.store import SCHEMAS
@@ -128,19 +129,19 @@ def test_diverging_physics_fails_its_experiment_and_leaves_the_next_one_untouche
     monkeypatch.chdir(tmp_path)  # MuJoCo writes its warnings to a file where it runs
     arguments = ("--objects", "antenna", "--methods", "none", "--experiments", 3)
     compared(capsys, tmp_path / "sound", *arguments)
-    reset, step, resets = World.reset, World.step, []
+    reset, follow, resets = World.reset, World.follow, []
 
     def counted_reset(world: World, X_WO: Sequence[Pose]) -> None:
         resets.append(world)
         reset(world, X_WO)
 
-    def diverging_step(world: World) -> None:
+    def diverging_follow(world: World, *arguments: NDArray[np.float64]) -> bool:
         if len(resets) == 2 and world.time > 3.0:
             world.data.qvel[0] = np.nan
-        step(world)
+        return follow(world, *arguments)
 
     monkeypatch.setattr(World, "reset", counted_reset)
-    monkeypatch.setattr(World, "step", diverging_step)
+    monkeypatch.setattr(World, "follow", diverging_follow)
     told = compared(capsys, tmp_path / "ill", *arguments)
     assert len(resets) == 3
     assert "experiment 1: DivergenceError: physics diverged" in told.out
