@@ -17,7 +17,8 @@ from typing import Annotated, Any, NamedTuple
 import tyro
 
 from experiments.calibration.config import Calibrate
-from experiments.commands.config import Bench, Compare, Picture, Run, Tolerance
+from experiments.commands.bench_config import Bench
+from experiments.commands.config import Compare, Picture, Run, Tolerance
 from experiments.commands.doctor import Doctor
 from experiments.commands.uq import Uq
 from experiments.dataset.config import Dataset

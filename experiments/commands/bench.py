@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import Any
 
-from experiments.commands.config import Bench
+from experiments.commands.bench_config import Bench
 from experiments.errors import UsageError
 from experiments.setup.experiment import ExperimentSpec, kept_cell, run_experiment
 from experiments.setup.pool import workers

@@ -24,11 +24,17 @@ _LIBRARY = re.compile(r"(lib)?mujoco(\.so\.[\d.]+|\.[\d.]+\.dylib|\.dll)")
 VELOCITY_DIGITS, ACCELERATION_DIGITS = 7, 3
 _PLACE, _VELOCITY, _ACCELERATION = 10.0**DIGITS, 10.0**VELOCITY_DIGITS, 10.0**ACCELERATION_DIGITS
 
-_library = ctypes.CDLL(
-    str(next(path for path in Path(mujoco.__file__).parent.iterdir() if _LIBRARY.fullmatch(path.name)))
-)
+
+def _library() -> ctypes.CDLL:
+    folder = Path(mujoco.__file__).parent
+    found = [path for path in folder.iterdir() if _LIBRARY.fullmatch(path.name)]
+    if len(found) != 1:
+        raise ImportError(f"expected one library of MuJoCo's in {folder}, got {[path.name for path in found]}")
+    return ctypes.CDLL(str(found[0]))
+
+
 for _name in ("mj_step", "mj_mulM"):
-    binding.add_symbol(_name, ctypes.cast(getattr(_library, _name), ctypes.c_void_p).value)
+    binding.add_symbol(_name, ctypes.cast(getattr(_library(), _name), ctypes.c_void_p).value)
 _step: Any = types.ExternalFunction("mj_step", types.void(types.uintp, types.uintp))
 _multiply_by_inertia: Any = types.ExternalFunction(
     "mj_mulM", types.void(types.uintp, types.uintp, types.uintp, types.uintp)

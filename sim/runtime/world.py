@@ -143,9 +143,9 @@ class World:
         for body in self._bodies:
             self.data.qvel[self.mj_model.body_dofadr[body] + SURFACE_VELOCITY_Y] += nudge
 
-    def step(self, periods: int = 1) -> None:
-        """Lets periods of the robot's controller pass, each one step of the physics; the arm is told nothing new."""
-        self.follow(self.still(periods), *self._unwatched())
+    def step(self) -> None:
+        """Lets a period of the robot's controller pass, one step of the physics; the arm is told nothing new."""
+        self.follow(self.still(1), *self._unwatched())
 
     def still(self, periods: int) -> Array:
         """Setpoints of an arm that goes on as it was told last, (periods, 6, 3)."""

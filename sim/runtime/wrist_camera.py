@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 from maskval import Pose
 from maskval.rendering.z_buffer import ZBuffer
 from sim.instance_ids import PIXEL_CENTER
-from sim.model.hiders import hiders_of
 from sim.model.renderer import Renderer
+from sim.runtime.hiders import hiders_of
 from sim.runtime.world import World
 
 NAME = "wrist"

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from experiments.commands.bench import STAGES, bench, timers
-from experiments.commands.config import Bench
+from experiments.commands.bench_config import Bench
 from experiments.errors import UsageError
 from experiments.setup.experiment import kept_cell, run_experiment
 from sim.errors import DivergenceError

@@ -6,12 +6,12 @@ import mujoco
 import numpy as np
 import pytest
 
+from benchmarks.instance_ids import CONDITIONS
 from cell.layout import Layout
 from cell.ur10 import inverse_on_branch
 from maskval import Pose, silhouette
 from sim.errors import GraphicsError
 from sim.instance_ids import NO_INSTANCE, PIXEL_CENTER
-from sim.model.conditions import Conditions
 from sim.model.parts import PartModel
 from sim.model.renderer import Renderer
 from sim.model.robot import JOINTS
@@ -21,18 +21,6 @@ from sim.runtime.world import World
 from sim.runtime.wrist_camera import WristCamera
 
 PARTS = 6
-CONDITIONS = {
-    "undisturbed": Conditions(),
-    "touching": Conditions(clutter="touching"),
-    "distractors": Conditions(clutter="distractors"),
-    "moving belt": Conditions(belt_speed=0.1),
-    "displaced camera": Conditions(
-        hand_eye_error_mm=(5.0, -8.0, 6.0),
-        hand_eye_error_deg=(1.0, 2.0, -3.0),
-        focal_error_percent=5.0,
-        principal_point_error_px=(12.0, -7.0),
-    ),
-}
 DOWNWARDS = np.diag([1.0, -1.0, -1.0])
 # Places of the tool in W, m: over the belt, aslant and near, at its side aslant over a rail, and over the container.
 TOOLS = (

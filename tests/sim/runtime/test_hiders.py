@@ -9,9 +9,9 @@ from maskval import Camera, Mesh, Pose
 from maskval.rendering.z_buffer import ZBuffer
 from sim.instance_ids import NO_INSTANCE, PIXEL_CENTER
 from sim.model.conditions import Conditions
-from sim.model.hiders import hiders_of
 from sim.model.parts import PartModel
 from sim.model.renderer import pinhole
+from sim.runtime.hiders import hiders_of
 from sim.runtime.world import World
 
 CAMERA = Camera(600.0, 600.0, 320.0, 240.0, 640, 480)
