@@ -49,7 +49,7 @@ $(READY): pyproject.toml constraints.txt
 	touch $@
 
 # Numba's kernels, compiled ahead. Its cache does not see an edit in another file, so all of them are compiled anew.
-$(COMPILED): $(READY) $(wildcard maskval/*.py maskval/rendering/*.py sim/networks/*.py sim/runtime/*.py)
+$(COMPILED): $(READY) $(wildcard maskval/*.py maskval/rendering/*.py sim/*.py sim/networks/*.py sim/runtime/*.py)
 	find maskval sim -name '*.nb[ci]' -delete
 	$(BIN)/python -m sim.runtime.compile_kernels
 	touch $@

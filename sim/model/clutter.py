@@ -12,7 +12,8 @@ from maskval import Pose
 from sim.errors import PlacementError
 from sim.model.bodies import FURNITURE_FRICTION, PART_SOLREF
 from sim.model.conditions import Clutter
-from sim.model.placement import CLEARANCE, DROP_HEIGHT, Polygon, are_apart
+from sim.model.placement import CLEARANCE, DROP_HEIGHT
+from sim.polygons import Polygon, are_apart
 
 # Least distance between outlines, m. A finger is 21 mm thick: it fits between parts 55 mm apart, but hardly at 15 mm.
 CLEARANCES: dict[Clutter, float] = {"none": CLEARANCE, "close": 0.015, "touching": 0.0005, "distractors": CLEARANCE}

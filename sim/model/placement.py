@@ -2,12 +2,12 @@
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import ConvexHull
 
 from cell.layout import Belt
 from maskval import Pose
 from sim.errors import PlacementError
 from sim.model.parts import PartModel
+from sim.polygons import Polygon, are_apart, convex_outline, gap
 
 CLEARANCE = 0.055  # m between parts and to the belt's edges: a jaw with its opening fits between
 DROP_HEIGHT = 0.0005  # m above contact, so that parts settle instead of starting in one another
@@ -15,8 +15,6 @@ TAKT_SPREAD = 0.15  # share of the takt by which the time between two parts on a
 LONGEST_PART = 0.5  # m: sim.model.parts refuses larger ones
 _TRIES_PER_PART = 200
 _TRIES_PER_BELT = 200
-
-Polygon = NDArray[np.float64]
 
 
 def place_parts(
@@ -86,13 +84,6 @@ def _footprint(model: PartModel, side: int) -> Polygon:
     return convex_outline(points)
 
 
-def convex_outline(points: NDArray[np.float64]) -> Polygon:
-    """The convex outline of points (N, 2 or more) seen from above, counter-clockwise, (P, 2) m."""
-    seen = points[:, :2]
-    outline: Polygon = seen[ConvexHull(seen).vertices]
-    return outline
-
-
 def _pushed_against(outline: Polygon, other: Polygon, clearance: float) -> Polygon:
     """The outline moved straight towards the middle of another, up to the clearance."""
     way = other.mean(axis=0) - outline.mean(axis=0)
@@ -110,28 +101,29 @@ def _fill_belt(
     footprints = [_footprint(model, side) for side in range(len(model.resting_poses))]
     outlines: list[Polygon] = []
     poses: list[Pose] = []
-    probabilities = [pose.probability for pose in model.resting_poses]
+    bounds = np.cumsum([pose.probability for pose in model.resting_poses])
+    bounds /= bounds[-1]
     room = np.array([belt.width, belt.loading_length]) / 2 - max(clearance, CLEARANCE)
     while len(poses) < count:
         for _ in range(_TRIES_PER_PART):
-            side = int(rng.choice(len(footprints), p=probabilities))
-            yaw = rng.uniform(-np.pi, np.pi)
-            turn = _about_z(yaw)
-            outline = footprints[side] @ turn.T + rng.uniform(-room, room)
+            side = int(bounds.searchsorted(rng.random(), side="right"))  # as rng.choice draws, without its checks
+            turn = _about_z(rng.uniform(-np.pi, np.pi))
+            turned = footprints[side] @ turn.T
+            outline = turned + rng.uniform(-room, room)
             if leaning and outlines:
                 outline = _pushed_against(outline, outlines[int(rng.integers(len(outlines)))], clearance)
-            offset = outline - footprints[side] @ turn.T
-            if np.all(np.abs(outline) <= room) and all(are_apart(outline, other, clearance) for other in outlines):
+            if (np.abs(outline) <= room).all() and all(are_apart(outline, other, clearance) for other in outlines):
                 break
         else:
             return None
         outlines.append(outline)
-        poses.append(_lying(model, side, turn, offset[0], belt))
+        poses.append(_lying(model, side, turn, outline[0] - turned[0], belt))
     return poses
 
 
 def _about_z(yaw: float) -> NDArray[np.float64]:
-    return np.array([[np.cos(yaw), -np.sin(yaw)], [np.sin(yaw), np.cos(yaw)]])
+    cosine, sine = np.cos(yaw), np.sin(yaw)
+    return np.array([[cosine, -sine], [sine, cosine]])
 
 
 def _lying(model: PartModel, side: int, turn: NDArray[np.float64], place: NDArray[np.float64], belt: Belt) -> Pose:
@@ -141,20 +133,3 @@ def _lying(model: PartModel, side: int, turn: NDArray[np.float64], place: NDArra
     rotation[:2, :2] = turn
     x, y = place + [belt.center_x, 0.0]
     return Pose(rotation @ resting.rotation, np.array([x, y, belt.top_z + resting.height + DROP_HEIGHT]))
-
-
-def are_apart(one: Polygon, other: Polygon, clearance: float) -> bool:
-    """Whether two convex polygons are apart by a clearance, m: their boxes, or an axis along an edge, show it."""
-    boxes = np.maximum(other.min(axis=0) - one.max(axis=0), one.min(axis=0) - other.max(axis=0))
-    return bool(boxes.max() >= clearance) or gap(one, other) >= clearance
-
-
-def gap(one: Polygon, other: Polygon) -> float:
-    """A lower bound of the distance between two convex polygons, m; negative if they overlap (separating axes)."""
-    return max(_gap_along_edges(one, other), _gap_along_edges(other, one))
-
-
-def _gap_along_edges(one: Polygon, other: Polygon) -> float:
-    edges = np.roll(one, -1, axis=0) - one  # counter-clockwise: the outward normal is the edge turned right
-    normals = np.column_stack([edges[:, 1], -edges[:, 0]]) / np.linalg.norm(edges, axis=1, keepdims=True)
-    return float(((other @ normals.T).min(axis=0) - (one * normals).sum(axis=1)).max())

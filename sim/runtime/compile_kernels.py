@@ -7,6 +7,7 @@ from maskval import Camera, Pose, depth_image, silhouette, silhouette_boxes, sil
 from maskval.rendering.z_buffer import ZBuffer
 from sim.instance_ids import PIXEL_CENTER
 from sim.model.parts import PartModel, load_part
+from sim.model.placement import place_parts
 from sim.networks.ground_truth import FrameTruth
 from sim.networks.image_estimates import estimate_image
 from sim.networks.noise_model import load_noise
@@ -42,6 +43,7 @@ def compile_all() -> None:
     silhouette_boxes(mesh, [_AHEAD], camera)
     depth_image(mesh, _AHEAD, camera)
     ZBuffer(camera).depth()
+    place_parts(model, 2, layout.belt, np.random.default_rng(0))
     world = World(layout, model, 1)
     world.reset([Pose.from_translation((1.0, 0.0, 0.5))])
     WristCamera(world).instance_ids([_AHEAD])

@@ -10,11 +10,12 @@ from sim.instance_ids import PIXEL_CENTER
 from sim.model.clutter import CLEARANCES, distractors_of, place_distractors
 from sim.model.conditions import Conditions
 from sim.model.parts import load_part
-from sim.model.placement import convex_outline, feed_parts, feeding_length, place_parts
+from sim.model.placement import feed_parts, feeding_length, place_parts
 from sim.networks.estimators import Kind, make_estimators
 from sim.networks.ground_truth import LatestTruth
 from sim.networks.noise_model import PartNoise, load_noise
 from sim.networks.random_streams import Streams
+from sim.polygons import convex_outline
 from sim.runtime.compile_kernels import compile_for_networks
 from sim.runtime.referee import SimReferee
 from sim.runtime.station import SimStation

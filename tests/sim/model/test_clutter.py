@@ -14,9 +14,10 @@ from sim.instance_ids import NO_INSTANCE, PIXEL_CENTER
 from sim.model.clutter import CLEARANCES, DISTRACTOR_CLEARANCE, DISTRACTORS
 from sim.model.conditions import Conditions
 from sim.model.parts import PartModel
-from sim.model.placement import CLEARANCE, convex_outline, gap
+from sim.model.placement import CLEARANCE
 from sim.networks.ground_truth import LatestTruth
 from sim.networks.random_streams import Streams
+from sim.polygons import convex_outline, gap
 from sim.runtime.episode import starting_poses
 from sim.runtime.referee import SimReferee
 from sim.runtime.station import SimStation
