@@ -1,11 +1,15 @@
 """Calls to code from elsewhere: with a time limit, failures in its name, and its decisions checked."""
 
 import math
+import multiprocessing
+import os
 import signal
 import threading
+import time
 import traceback
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import cache
 from numbers import Integral, Real
 from pathlib import Path
 from types import FrameType
@@ -29,20 +33,25 @@ def guarded_call(call: Callable[[], T], time_limit: float, error_of: Callable[[s
     """What a call returns, ended after a time limit; whatever it raises becomes one error.
 
     The limit is kept by an alarm of the operating system: in a process's main thread, on POSIX, and as soon as
-    Python runs; code that never comes back from C is not ended. Elsewhere there is no limit.
+    Python runs. A call that swallows the alarm fails when it returns. A worker process that does not come back at all
+    is ended after twice the limit and a minute. A process that the call has forked ends here, if it returns.
 
     Args:
         call: what to do.
         time_limit: s of the wall clock, above 0.
         error_of: makes the error to raise of what went wrong.
     """
+    process = os.getpid()
     try:
-        with _limited_to(time_limit):
+        with _worker_ended_after(2 * time_limit + 60.0), _limited_to(time_limit):
             return call()
     except _TimeUp:
         raise error_of(f"took longer than {time_limit:g} s") from None
     except (Exception, SystemExit) as error:
         raise error_of(f"raised {describe_error(error)}") from error
+    finally:
+        if os.getpid() != process:
+            os._exit(1)
 
 
 def describe_error(error: BaseException) -> str:
@@ -56,7 +65,7 @@ def _limited_to(seconds: float) -> Iterator[None]:
     if threading.current_thread() is not threading.main_thread() or not hasattr(signal, "setitimer"):
         yield
         return
-    previous = signal.signal(signal.SIGALRM, _raise_time_up)
+    previous, begun = signal.signal(signal.SIGALRM, _raise_time_up), time.monotonic()
     try:
         signal.setitimer(signal.ITIMER_REAL, seconds, _AGAIN)
         try:
@@ -65,6 +74,37 @@ def _limited_to(seconds: float) -> Iterator[None]:
             signal.setitimer(signal.ITIMER_REAL, 0.0)
     finally:
         signal.signal(signal.SIGALRM, previous)
+    if time.monotonic() - begun > seconds:
+        raise _TimeUp  # once more, since the called code has swallowed every alarm
+
+
+@contextmanager
+def _worker_ended_after(seconds: float) -> Iterator[None]:
+    """Ends a worker process that is still in here after so many seconds; its parent then knows of it."""
+    if multiprocessing.parent_process() is None:
+        yield
+        return
+    _watch()
+    _deadline[0] = time.monotonic() + seconds
+    try:
+        yield
+    finally:
+        _deadline[0] = math.inf
+
+
+_deadline = [math.inf]  # when this worker process ends, by the monotonic clock
+
+
+@cache
+def _watch() -> None:
+    """Has a thread of this process look at the deadline every second."""
+
+    def look() -> None:
+        while time.monotonic() < _deadline[0]:
+            time.sleep(_AGAIN)
+        os._exit(1)
+
+    threading.Thread(target=look, daemon=True).start()
 
 
 def _raise_time_up(_: int, __: FrameType | None) -> None:

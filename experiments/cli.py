@@ -18,8 +18,11 @@ import tyro
 
 from experiments.calibration.config import Calibrate
 from experiments.commands.bench_config import Bench
-from experiments.commands.config import Compare, Picture, Run, Tolerance
+from experiments.commands.config import Compare, Run
 from experiments.commands.doctor import Doctor
+from experiments.commands.merge import Merge
+from experiments.commands.picture_config import Picture
+from experiments.commands.tolerance_config import Tolerance
 from experiments.commands.uq import Uq
 from experiments.dataset.config import Dataset
 from experiments.dataset.rules import Rules
@@ -51,6 +54,7 @@ class Command(NamedTuple):
 
 COMMANDS = {
     "compare": Command(Compare, "experiments.commands.compare:compare"),
+    "merge": Command(Merge, "experiments.commands.merge:merge"),
     "run": Command(Run, "experiments.commands.run:run"),
     "picture": Command(Picture, "experiments.commands.picture:picture"),
     "tolerance": Command(Tolerance, "experiments.commands.tolerance:tolerance"),

@@ -181,7 +181,7 @@ def row(name: str, counts: Sequence[Tally], worlds: Sequence[Hashable] | None = 
         counts: Of each experiment.
         worlds: See `make_cell`.
     """
-    cell = make_cell("", name, counts, worlds)
+    cell = make_cell(("", "", name), counts, worlds)
     hourly = [3600.0 * count.tp / count.duration for count in counts]
     between = bootstrap_mean_interval(hourly, np.random.default_rng(0))
     ap = "–" if cell.ap is None else f"{100 * cell.ap:.1f}"

@@ -13,6 +13,10 @@ class PlacementError(SimError, RuntimeError):
     """No room on the belt for the parts that were asked for."""
 
 
+class StartError(SimError, RuntimeError):
+    """An experiment that does not begin with all parts at rest on the belt."""
+
+
 class DivergenceError(SimError, RuntimeError):
     """The physics left the finite numbers, or MuJoCo warned that it did."""
 

@@ -1,178 +1,130 @@
-"""`graspcell compare`: the table of objects and methods."""
+"""`graspcell compare`: the table of objects, methods and policies."""
 
-from collections.abc import Hashable, Sequence
-from concurrent.futures.process import BrokenProcessPool
-from contextlib import closing
-from dataclasses import replace
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
-from tqdm import tqdm
-
-from cell.records import Tally
 from experiments.commands.config import Compare
-from experiments.results.paired import Paired, format_paired, pair
-from experiments.results.provenance import manifest, write_json
+from experiments.results.paired import format_paired
+from experiments.results.provenance import config_as_json, manifest, write_json
 from experiments.results.report import LEGEND, format_table
-from experiments.results.store import LogWriter
-from experiments.results.table import Cell, make_cell
-from experiments.setup.checks import FAILED, writable_folder
-from experiments.setup.experiment import ExperimentResult, ExperimentSpec, run_experiment
-from experiments.setup.methods import known_method
-from experiments.setup.pool import run_all
-from policies import ThresholdPolicy
-from sim.errors import SimError
+from experiments.setup.checks import FAILED
+from experiments.setup.experiment import ExperimentSpec
+from experiments.units.execution import Ended, execute, locally, missing
+from experiments.units.identity import describe
+from experiments.units.interruption import terminations_raised
+from experiments.units.run_folder import Asked, RunFolder
+from experiments.units.summary import Summary, caveats_of, summarise, thresholds_of
 from sim.model.conditions import Conditions
-from sim.model.parts import load_part
 
-INTERRUPTED = 130  # the exit code of a command that Ctrl-C ended
-WORKER_DIED = 1
+_ELSEWHERE = ("jobs", "shard", "retry_failed", "overwrite", "out")  # how and where to run, which changes no result
 
 
 def compare(config: Compare) -> int:
-    """Runs all experiments, prints the table and writes the results; returns the exit code.
+    """Runs the experiments that have not ended yet, prints the folder's table and writes it; returns the exit code.
 
-    Ctrl-C keeps what is finished: the table, the logs and the manifest are written for it. So does the death of a
-    worker process. An experiment that failed is in the table, the logs and the exit code, and does not end the others.
+    Each experiment is kept as it ends. What ends the command early, a signal, a full disk, a power loss, costs only the
+    experiments that were under way; the same command goes on. An experiment that failed is in the table, the logs and
+    the exit code, and does not end the others.
 
     Raises:
-        UsageError: an invalid argument.
+        UsageError: an invalid argument, or a folder that holds something else or cannot be written.
         SimError: the cell cannot be set up.
     """
-    specs = config.specs()
-    folder = writable_folder(config.out)
-    results, ended_early = _run(specs, config.workers, folder)
-    if ended_early is not None and not results:
-        reason, code = ended_early
-        print(f"{reason} after 0 of {len(specs)} experiments; {folder} is as it was")
-        return code
-    cells, pairs = make_cells(specs, results), make_pairs(specs, results)
+    specs, (number, shares) = config.specs(), config.share
+    with terminations_raised(), RunFolder.opened(config.out, overwrite=config.overwrite) as folder:
+        folder.ask(asked_by(specs), options_of(config))
+        own = share_of(specs, number, shares)
+        left = missing(folder, own, retry_failed=config.retry_failed)
+        if len(left) < len(own):
+            print(f"{len(own) - len(left)} of {len(own)} experiments are in {folder.path} already")
+        ended = execute(folder, left, len(own), locally(config.workers)) if left else None
+        if shares > 1:
+            return _told_of_share(folder.path, config.shard, len(own), ended)
+        return report(folder, ended)
+
+
+def options_of(config: Compare) -> dict[str, Any]:
+    """The options that decide results."""
+    return {name: value for name, value in config_as_json(config).items() if name not in _ELSEWHERE}
+
+
+def asked_by(specs: Sequence[ExperimentSpec]) -> list[Asked]:
+    """The cells of the table that experiments belong to, in their order."""
+    cells: dict[tuple[str, str, str | None], list[ExperimentSpec]] = {}
+    for spec in specs:
+        cells.setdefault((spec.part, spec.method, spec.policy), []).append(spec)
+    return [Asked(describe(group[0]), len(group)) for group in cells.values()]
+
+
+def share_of(specs: Sequence[ExperimentSpec], number: int, shares: int) -> list[ExperimentSpec]:
+    """One of so many shares, the first being 1, each with experiments of all cells."""
+    return sorted(specs, key=lambda spec: spec.experiment)[number - 1 :: shares] if shares > 1 else list(specs)
+
+
+def report(folder: RunFolder, ended: Ended | None) -> int:
+    """Prints the table of a folder and writes it with its logs; returns the exit code."""
+    summary = summarise(folder)
+    write_results(folder, summary)
+    if summary.experiments:
+        print_table(folder, summary)
+    failed = len(summary.failures)
+    for one in summary.failures:
+        print(f"failed: {' × '.join(one.of[:2])}, experiment {one.experiment}: {one.failure}")
+    told = f"{folder.expected} experiments expected = {summary.completed} completed + {failed} failed"
+    left = folder.expected - len(summary.experiments)
+    if ended is not None:
+        print(f"{ended.reason}: {told} + {left} to do; the same command goes on; results in {folder.path}")
+        return ended.code
+    print(f"{told}{f' + {left} to do' if left else ''}; results in {folder.path}")
+    return FAILED if failed or left else 0
+
+
+def write_results(folder: RunFolder, summary: Summary) -> None:
+    """Writes table.json and manifest.json, which say the same whatever happened on the way.
+
+    Raises:
+        UsageError: they cannot be written.
+    """
     write_json(
-        folder / "table.json",
-        {"cells": [cell.as_json() for cell in cells], "paired": [row.as_json() for row in pairs]},
+        folder.path / "table.json",
+        {"cells": [cell.as_json() for cell in summary.cells], "paired": [row.as_json() for row in summary.pairs]},
     )
     write_json(
-        folder / "manifest.json",
+        folder.path / "manifest.json",
         {
-            **manifest(config),
-            "seed": config.seed,
-            "finished": len(results),
-            "planned": len(specs),
-            "u_grasp": grasp_thresholds(specs),
+            **manifest(folder.options),
+            "asked": [{**cell.of, "experiments": cell.experiments} for cell in folder.asked],
+            "common": folder.asked[0].description["common"],
+            "finished": len(summary.experiments),
+            "planned": folder.expected,
+            "u_grasp": thresholds_of(folder.asked),
         },
     )
-    if config.actors.policy is not None:
-        print(f"policy: {config.actors.policy}")
-    as_paper = config.actors.policy is None and config.conditions == Conditions()
-    print(format_table(cells, as_paper=as_paper))
+
+
+def print_table(folder: RunFolder, summary: Summary) -> None:
+    """Prints the table, its legend, the paired differences and the caveats."""
+    undisturbed = all(
+        cell.description["cell"]["own_policy"]
+        and cell.description["common"]["conditions"] == config_as_json(Conditions())
+        for cell in folder.asked
+    )
+    policies = {cell.of["policy"] for cell in folder.asked if not cell.description["cell"]["own_policy"]}
+    if len(policies) == 1:
+        print(f"policy: {policies.pop()}")
+    print(format_table(summary.cells, as_paper=undisturbed))
     print(LEGEND)
-    print(format_paired(pairs), end="\n" if pairs else "")
-    for caveat in caveats(specs):
+    print(format_paired(summary.pairs), end="\n" if summary.pairs else "")
+    for caveat in caveats_of(folder.asked):
         print(caveat)
-    for result in results:
-        if result.failure is not None:
-            spec = result.spec
-            print(f"failed: {spec.part} × {spec.method}, experiment {spec.experiment}: {result.failure}")
-    if ended_early is not None:
-        reason, code = ended_early
-        print(f"{reason} after {len(results)} of {len(specs)} experiments; what is finished is in {folder}")
-        return code
-    print(f"results in {folder}")
-    return FAILED if any(result.failure is not None for result in results) else 0
 
 
-def _run(
-    specs: Sequence[ExperimentSpec], workers: int, folder: Path
-) -> tuple[list[ExperimentResult], tuple[str, int] | None]:
-    """Runs the experiments and writes their logs; returns the results, and the reason and exit code of an early end."""
-    results: list[ExperimentResult] = []
-    try:
-        with LogWriter(folder) as logs:  # learns what ends it: without a result, the earlier logs stay
-            _write_all(specs, workers, logs, results)
-    except KeyboardInterrupt:
-        return results, ("interrupted", INTERRUPTED)
-    except BrokenProcessPool:
-        return results, ("a worker process died (out of memory?); ended", WORKER_DIED)
-    return results, None
-
-
-def _write_all(specs: Sequence[ExperimentSpec], workers: int, logs: LogWriter, results: list[ExperimentResult]) -> None:
-    """Runs the experiments; writes the rows of each finished one and keeps the result without them."""
-    with (
-        tqdm(total=len(specs), unit="experiment", dynamic_ncols=True) as progress,
-        closing(run_all(run_experiment, specs, workers)) as stream,
-    ):
-        try:
-            for result in stream:
-                logs.write(result.tables)
-                results.append(replace(result, tables={}))
-                progress.set_postfix_str(f"{result.spec.part} × {result.spec.method}", refresh=False)
-                progress.update()
-        except SimError:
-            progress.leave = False  # the error is to be the only line
-            raise
-
-
-def make_cells(specs: Sequence[ExperimentSpec], results: Sequence[ExperimentResult]) -> list[Cell]:
-    """One cell per object and method that has at least one result, in the order of the specs."""
-    groups: dict[tuple[str, str], list[ExperimentResult]] = {(spec.part, spec.method): [] for spec in specs}
-    for result in results:
-        groups[result.spec.part, result.spec.method].append(result)
-    return [
-        make_cell(
-            load_part(part).part.name,
-            method,
-            [result.count for result in group],
-            [_world(result.spec) for result in group],
-            [result.first for result in group],
-        )
-        for (part, method), group in groups.items()
-        if group
-    ]
-
-
-def make_pairs(specs: Sequence[ExperimentSpec], results: Sequence[ExperimentResult]) -> list[Paired]:
-    """Every method compared with the reference, object by object, over the experiments that both have finished.
-
-    Experiments with the same error model of a domain gap are not independent: they form a group.
-    """
-    counts = {_place(result.spec): result.count for result in results}
-    pairs = []
-    for part in dict.fromkeys(spec.part for spec in specs):
-        groups: dict[str, dict[Hashable, list[Tally | None]]] = {}
-        for spec in specs:
-            if spec.part == part:
-                group = groups.setdefault(spec.method, {}).setdefault(_world(spec), [])
-                group.append(counts.get(_place(spec)))
-        pairs += pair(load_part(part).part.name, {method: list(group.values()) for method, group in groups.items()})
-    return pairs
-
-
-def _world(spec: ExperimentSpec) -> Hashable:
-    """Equal for experiments with the same error model of a domain gap, which are not independent."""
-    return spec.noise or spec.experiment
-
-
-def _place(spec: ExperimentSpec) -> tuple[str, str, int]:
-    return spec.part, spec.method, spec.experiment
-
-
-def grasp_thresholds(specs: Sequence[ExperimentSpec]) -> dict[str, dict[str, float]]:
-    """The u_t,g in use, by object and method."""
-    found: dict[str, dict[str, float]] = {}
-    for spec in {(spec.part, spec.method): spec for spec in specs}.values():
-        part = load_part(spec.part).part
-        policy = known_method(spec.method, part, spec.thresholds).policy
-        if isinstance(policy, ThresholdPolicy):
-            found.setdefault(part.name, {})[spec.method] = policy.u_grasp
-    return found
-
-
-def caveats(specs: Sequence[ExperimentSpec]) -> list[str]:
-    """A line for each u_t,g that was neither given nor derived by the rule of the others."""
-    thresholds = specs[0].thresholds
-    return [
-        f"{part} × {method}: u_t,g = {u:.3f}: {caveat}"
-        for part, row in grasp_thresholds(specs).items()
-        for method, u in row.items()
-        if (caveat := thresholds.caveat(part, method)) is not None
-    ]
+def _told_of_share(path: Path, shard: str | None, experiments: int, ended: Ended | None) -> int:
+    if ended is not None:
+        print(f"{ended.reason}; what is finished of shard {shard} is in {path}; the same command goes on")
+        return ended.code
+    print(
+        f"shard {shard}, {experiments} experiments, is in {path}; join all of them: graspcell merge DIR ... --out DIR"
+    )
+    return 0

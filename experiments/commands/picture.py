@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cell.records import TimeSlot, Transition
-from experiments.commands.config import Picture
+from experiments.commands.picture_config import Picture
 from experiments.errors import UsageError
 from experiments.results.files import replacing
 from experiments.setup.checks import writable_folder

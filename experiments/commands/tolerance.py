@@ -9,7 +9,7 @@ from tqdm import tqdm
 from cell.errors import CellError
 from cell.interfaces import Outcome
 from cell.records import AttemptRecord
-from experiments.commands.config import Tolerance
+from experiments.commands.tolerance_config import Tolerance
 from experiments.results.provenance import manifest, write_json
 from experiments.results.tolerance_curve import CurvePoint, format_curve
 from experiments.setup.checks import writable_folder

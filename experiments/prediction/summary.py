@@ -18,6 +18,7 @@ from experiments.results.first_attempts import FirstAttempts
 from experiments.results.paired import Paired, format_paired, pair
 from experiments.results.paper import ROBOT_TABLE
 from experiments.results.provenance import write_json
+from experiments.setup.policies import policy_name
 
 _COLUMN = 27
 
@@ -57,7 +58,14 @@ def summarise(
     paired = [
         row
         for part in dict.fromkeys(part for part, _ in counts)
-        for row in pair(part, {method: worlds for (owner, method), worlds in counts.items() if owner == part})
+        for row in pair(
+            part,
+            {
+                (method, policy_name(None, method)): worlds
+                for (owner, method), worlds in counts.items()
+                if owner == part
+            },
+        )
     ]
     return Summary(cells, paired, joint(cells, seed))
 

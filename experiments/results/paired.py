@@ -1,6 +1,6 @@
 """What one method does better than another on the same experiments: differences within them, not between averages."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from statistics import fmean
 from typing import Any
@@ -12,17 +12,20 @@ from maskval.cluster_intervals import clustered_rate_interval
 
 REFERENCE = "maskval"  # what the others are held against, if it is among them
 
-Counts = Mapping[str, Sequence[Sequence[Tally | None]]]  # by method: of each group of experiments; None failed
+Who = tuple[str, str]  # method and policy
+Counts = Mapping[Who, Sequence[Sequence[Tally | None]]]  # of each group of experiments; None failed
 
 
 @dataclass(frozen=True, slots=True)
 class Paired:
-    """How many parts more than the reference a method places and fails, per experiment; the names are table.json's.
+    """How many parts more than the reference a method and policy place and fail, per experiment; as in table.json.
 
     Attributes:
         object: name of the part.
         method: name of the method.
-        reference: name of the other one.
+        policy: name of the policy.
+        reference: name of the other method.
+        reference_policy: name of the other policy.
         experiments: how many have a result with both.
         placed: mean difference of TP, over groups.
         placed_ci: its 95 % interval, see `difference_interval`; None of fewer than two groups of experiments.
@@ -32,7 +35,9 @@ class Paired:
 
     object: str
     method: str
+    policy: str
     reference: str
+    reference_policy: str
     experiments: int
     placed: float
     placed_ci: Interval | None
@@ -45,18 +50,20 @@ class Paired:
 
 
 def pair(part: str, counts: Counts) -> list[Paired]:
-    """Every other method beside `REFERENCE`, or beside the first; none where no experiment has a result with both.
+    """Every other method and policy beside the first with `REFERENCE`, or beside the first of all.
+
+    There is no row where no experiment has a result with both.
 
     Args:
         part: Name of the part.
-        counts: By method, the same groups of the same experiments. Groups are independent of one another: each an
-            experiment of its own, or those of one world.
+        counts: By method and policy, the same groups of the same experiments. Groups are independent of one another:
+            each an experiment of its own, or those of one world.
     """
-    reference = REFERENCE if REFERENCE in counts else next(iter(counts))
+    reference = next((who for who in counts if who[0] == REFERENCE), next(iter(counts)))
     rows = []
-    for method in counts:
-        groups = [_both(ours, theirs) for ours, theirs in zip(counts[method], counts[reference], strict=True)]
-        if method == reference or not any(groups):
+    for who in counts:
+        groups = [_both(ours, theirs) for ours, theirs in zip(counts[who], counts[reference], strict=True)]
+        if who == reference or not any(groups):
             continue
         slots = [[ours.parts for ours, _ in group] for group in groups if group]
         placed = [fmean(ours.tp - theirs.tp for ours, theirs in group) for group in groups if group]
@@ -64,8 +71,10 @@ def pair(part: str, counts: Counts) -> list[Paired]:
         rows.append(
             Paired(
                 object=part,
-                method=method,
-                reference=reference,
+                method=who[0],
+                policy=who[1],
+                reference=reference[0],
+                reference_policy=reference[1],
                 experiments=sum(map(len, groups)),
                 placed=fmean(placed),
                 placed_ci=difference_interval(placed, slots),
@@ -104,14 +113,26 @@ def format_paired(rows: Sequence[Paired]) -> str:
     """A line per row, beneath the table; nothing without rows."""
     if not rows:
         return ""
-    lines = [f"parts per experiment, less those of {rows[0].reference} in the same experiments [95 %]"]
-    widths = [max(len(getattr(row, name)) for row in rows) for name in ("object", "method")]
-    for row in rows:
+    named = have_several_policies({who for row in rows for who in _both_sides(row)})
+    reference = f"{rows[0].reference} + {rows[0].reference_policy}" if named else rows[0].reference
+    lines = [f"parts per experiment, less those of {reference} in the same experiments [95 %]"]
+    whos = [f"{row.method} + {row.policy}" if named else row.method for row in rows]
+    widths = max(len(row.object) for row in rows), max(map(len, whos))
+    for row, who in zip(rows, whos, strict=True):
         lines.append(
-            f"{row.object:{widths[0]}}  {row.method:{widths[1]}}  placed {_difference(row.placed, row.placed_ci)}  "
+            f"{row.object:{widths[0]}}  {who:{widths[1]}}  placed {_difference(row.placed, row.placed_ci)}  "
             f"failed {_difference(row.failed, row.failed_ci)}  {row.experiments:4} runs"
         )
     return "\n".join(lines)
+
+
+def have_several_policies(whos: Collection[Who]) -> bool:
+    """Whether a method occurs with more than one policy, so that the policy must be named."""
+    return len({method for method, _ in whos}) < len(set(whos))
+
+
+def _both_sides(row: Paired) -> tuple[Who, Who]:
+    return (row.method, row.policy), (row.reference, row.reference_policy)
 
 
 def _both(ours: Sequence[Tally | None], theirs: Sequence[Tally | None]) -> list[tuple[Tally, Tally]]:

@@ -32,8 +32,13 @@ def manifest(config: object) -> dict[str, Any]:
         "platform": f"{platform.system()} {platform.machine()}",
         "commit": commit,
         "dirty": None if commit is None else bool(_git("status", "--porcelain", "--untracked-files=no")),
-        "config": asdict(config) if is_dataclass(config) and not isinstance(config, type) else config,
+        "config": config_as_json(config),
     }
+
+
+def config_as_json(config: object) -> Any:
+    """A command's options as JSON has them."""
+    return json.loads(json.dumps(config, default=_plain))
 
 
 def write_json(path: Path, content: object) -> None:

@@ -60,7 +60,7 @@ class Recorder:
             case _:
                 raise TypeError(f"a record of unknown kind: {type(record).__name__}")
 
-    def finish(self, seed: int, estimator: str, policy: str, count: Tally | None, failure: str | None) -> None:
+    def finish(self, seed: int, estimator: str, count: Tally | None, failure: str | None) -> None:
         """Adds the experiment's own row; of an experiment without a result only the reason is kept."""
         counted = (
             {}
@@ -76,7 +76,7 @@ class Recorder:
                 "duration_s": count.duration,
             }
         )
-        self._add("experiments", seed=seed, estimator=estimator, policy=policy, failure=failure, **counted)
+        self._add("experiments", seed=seed, estimator=estimator, failure=failure, **counted)
 
     def _add(self, table: str, **values: Any) -> None:
         self.tables[table].append({**self.key, **values})

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 
+from experiments.results.paired import have_several_policies
 from experiments.results.paper import ROBOT_TABLE
 from experiments.results.table import Cell, Interval
 
@@ -19,7 +20,8 @@ def format_table(cells: Sequence[Cell], *, as_paper: bool = True) -> str:
         as_paper: Whether the experiments were the paper's, so that its figures belong beside them.
     """
     header = tuple(f"{name} (paper)" if as_paper and name in ("AP %", "AR %") else name for name in _HEADER)
-    rows = [header, *(_row(cell, as_paper) for cell in cells)]
+    named = have_several_policies({(cell.method, cell.policy) for cell in cells})
+    rows = [header, *(_row(cell, as_paper, named) for cell in cells)]
     widths = [max(len(row[column]) for row in rows) for column in range(len(header))]
     lines = []
     for row in rows:
@@ -32,12 +34,12 @@ def format_table(cells: Sequence[Cell], *, as_paper: bool = True) -> str:
     return "\n".join(lines)
 
 
-def _row(cell: Cell, as_paper: bool) -> tuple[str, ...]:
+def _row(cell: Cell, as_paper: bool, named: bool) -> tuple[str, ...]:
     paper = ROBOT_TABLE.get((cell.object, cell.method), (None, None)) if as_paper else None
     runs = str(cell.experiments) + (f" ({cell.failed} failed)" if cell.failed else "")
     return (
         cell.object,
-        cell.method,
+        f"{cell.method} + {cell.policy}" if named else cell.method,
         _percent(cell.ap) + (_beside(paper[0]) if paper else ""),
         _interval(cell.ap_ci),
         _percent(cell.ap_first),

@@ -10,12 +10,15 @@ import pyarrow.parquet as pq
 
 from experiments.results.files import Aside
 
+_ROWS_AT_ONCE = 10_000  # of a table: thousands of experiments then make few row groups, and memory stays flat
+
 Row = Mapping[str, Any]
 Tables = Mapping[str, Iterable[Row]]
 
 _KEY = (
     ("object", pa.string(), "name of the part"),
     ("method", pa.string(), "name of the method"),
+    ("policy", pa.string(), "name of the policy, or package.module:Class"),
     ("experiment", pa.int32(), "number of the experiment; equal numbers met equal parts in equal poses"),
 )
 _POSE = pa.list_(pa.float64(), 7)
@@ -26,7 +29,6 @@ _COLUMNS: dict[str, tuple[tuple[str, pa.DataType, str], ...]] = {
         *_KEY,
         ("seed", pa.int64(), "root seed"),
         ("estimator", pa.string(), "noisy, oracle, replay, or package.module:Class"),
-        ("policy", pa.string(), "name of the policy, or package.module:Class"),
         ("failure", pa.string(), "why the experiment has no result; null if it has one"),
         ("parts", pa.int32(), "parts on the belt at the start"),
         ("tp", pa.int32(), "parts placed"),
@@ -136,6 +138,7 @@ class LogWriter:
             for aside, (name, schema) in zip(self._asides, SCHEMAS.items(), strict=True)
         }
         self._empty = True
+        self._waiting: dict[str, list[pa.Table]] = {name: [] for name in SCHEMAS}
 
     def write(self, tables: Tables) -> None:
         """Appends the rows of one experiment.
@@ -148,7 +151,16 @@ class LogWriter:
             raise KeyError(f"expected rows for exactly {', '.join(SCHEMAS)}; wrong: {', '.join(sorted(unknown))}")
         self._empty = False
         for name, rows in tables.items():
-            self._writers[name].write_table(pa.Table.from_pylist(list(rows), schema=SCHEMAS[name]))
+            waiting = self._waiting[name]
+            waiting.append(pa.Table.from_pylist(list(rows), schema=SCHEMAS[name]))
+            if sum(map(len, waiting)) >= _ROWS_AT_ONCE:
+                self._write(name)
+
+    def _write(self, name: str) -> None:
+        """Writes the rows of a table that wait, as one row group."""
+        if waiting := self._waiting[name]:
+            self._writers[name].write_table(pa.concat_tables(waiting))
+            waiting.clear()
 
     def __enter__(self) -> Self:
         return self
@@ -157,7 +169,8 @@ class LogWriter:
         self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
     ) -> None:
         try:
-            for writer in self._writers.values():
+            for name, writer in self._writers.items():
+                self._write(name)
                 writer.close()
             if error is None or not self._empty:
                 for aside in self._asides:

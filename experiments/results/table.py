@@ -20,6 +20,7 @@ class Cell:
     Attributes:
         object: name of the part.
         method: name of the method.
+        policy: name of the policy.
         experiments: how many have a result.
         failed: how many have none.
         parts: parts that lay on the belts.
@@ -45,6 +46,7 @@ class Cell:
 
     object: str
     method: str
+    policy: str
     experiments: int
     failed: int
     parts: int
@@ -73,17 +75,15 @@ class Cell:
 
 
 def make_cell(
-    part: str,
-    method: str,
+    of: tuple[str, str, str],
     counts: Sequence[Tally | None],
     worlds: Sequence[Hashable] | None = None,
     firsts: Sequence[FirstAttempts | None] = (),
 ) -> Cell:
-    """The cell of the experiments with one object and one method.
+    """The cell of the experiments with one object, one method and one policy.
 
     Args:
-        part: Name of the part.
-        method: Name of the method.
+        of: Names of object, method and policy.
         counts: Of each experiment; None for one that failed.
         worlds: Label of each experiment's world: those with one error model have one. Without it each has its own.
         firsts: First attempts of each experiment; None for one that failed. Without it they are unknown.
@@ -94,8 +94,9 @@ def make_cell(
     known = [first for first in firsts if first is not None]
     tp, fp, fn = (sum(getattr(count, name) for count in done) for name in ("tp", "fp", "fn"))
     return Cell(
-        object=part,
-        method=method,
+        object=of[0],
+        method=of[1],
+        policy=of[2],
         experiments=len(done),
         failed=len(counts) - len(done),
         parts=sum(count.parts for count in done),

@@ -1,5 +1,6 @@
 """One experiment: a belt of parts, one method, one result. No files, no printing: it runs in any process."""
 
+import traceback
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
@@ -79,13 +80,14 @@ class ExperimentSpec:
 
 @dataclass(frozen=True, slots=True)
 class ExperimentResult:
-    """The result of an experiment: its counts, or why there are none, and the rows of its logs."""
+    """The result of an experiment: its counts, or why there are none and where that was raised, and its logs' rows."""
 
     spec: ExperimentSpec
     count: Tally | None
     failure: str | None
     tables: dict[str, list[Row]]
     first: FirstAttempts | None = None
+    trace: str | None = None
 
 
 @lru_cache(maxsize=4)  # kept, since compiling takes a second
@@ -110,7 +112,8 @@ def run_experiment(
     # What fails here fails for every experiment, and is not a result of this one.
     cell = cell or kept_cell(*spec.cell)
     part, latest_truth = cell.world.part_model.part, LatestTruth()
-    key = {"object": part.name, "method": spec.method, "experiment": spec.experiment}
+    policy = policy_name(spec.policy, spec.method)
+    key = {"object": part.name, "method": spec.method, "policy": policy, "experiment": spec.experiment}
     recorder = Recorder(key, part, latest_truth)
 
     def listen(record: object) -> None:
@@ -118,16 +121,16 @@ def run_experiment(
         if tell is not None:
             tell(record, latest_truth)
 
-    count, failure = None, None
+    count, failure, trace = None, None, None
     try:
         count = make_cycle(spec, cell, latest_truth, listen).run()
     except GraphicsError:
         raise  # whoever looks at pictures meets it in every experiment
     except (CellError, SimError, MaskvalError, UsageError) as error:
-        failure = f"{type(error).__name__}: {error}"
-    recorder.finish(spec.seed, spec.estimator, policy_name(spec.policy, spec.method), count, failure)
+        failure, trace = f"{type(error).__name__}: {error}", traceback.format_exc()
+    recorder.finish(spec.seed, spec.estimator, count, failure)
     first = None if count is None else first_attempts(recorder.tables)
-    return ExperimentResult(spec, count, failure, recorder.tables, first)
+    return ExperimentResult(spec, count, failure, recorder.tables, first, trace)
 
 
 def make_cycle(

@@ -4,9 +4,11 @@ from cell.interfaces import Policy
 from cell.layout import Layout
 from cell.part import Part
 from cell.setup import PolicySetup
-from experiments.setup.methods import Method
+from experiments.setup.methods import Method, known_method
 from experiments.setup.plugins import chosen, make_object
+from experiments.setup.thresholds import Thresholds
 from policies import POLICIES, ThresholdPolicy
+from sim.model.parts import load_part
 
 
 def policy_name(name: str | None, method: str) -> str:
@@ -34,3 +36,9 @@ def make_policy(name: str | None, method: Method, part: Part, layout: Layout, re
     factory = chosen("--policy", name, POLICIES)
     policy: Policy = make_object(name, factory, ("decide",), PolicySetup(part, layout, u_grasp, u_refine))
     return policy
+
+
+def check_policy(name: str | None, part: str, method: str, thresholds: Thresholds) -> None:
+    """Raises UsageError unless there is such a policy; part and method exist."""
+    known = load_part(part).part
+    make_policy(name, known_method(method, known, thresholds), known, Layout(), thresholds.refine)

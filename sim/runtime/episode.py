@@ -18,6 +18,7 @@ from sim.networks.random_streams import Streams
 from sim.polygons import convex_outline
 from sim.runtime.compile_kernels import compile_for_networks
 from sim.runtime.referee import SimReferee
+from sim.runtime.start_check import check_start
 from sim.runtime.station import SimStation
 from sim.runtime.world import World
 from sim.runtime.wrist_camera import WristCamera
@@ -98,10 +99,11 @@ def begin_episode(
         noise: error model of the simulated networks; the part's own by default.
 
     Raises:
-        SimError: the parts have no room, or do not come to rest.
+        SimError: the parts have no room, or do not come to rest on the belt.
     """
     world, model = cell.world, cell.world.part_model
     world.reset(starting_poses(world, streams))
+    check_start(world)
     station = SimStation(world, cell.camera, latest_truth)
     if isinstance(estimators, str):
         estimators = make_estimators(estimators, latest_truth, model.part, noise or load_noise(model.noise), streams)

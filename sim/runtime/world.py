@@ -195,6 +195,17 @@ class World:
         body = self._bodies[index]
         return Pose(self.data.xmat[body].reshape(3, 3), self.data.xpos[body])
 
+    def p_W_center_of_mass(self, index: int) -> Array:
+        """True centre of mass of a part, (3,) m."""
+        center: Array = self.data.xipos[self._bodies[index]]
+        return center
+
+    def velocity(self, index: int) -> Array:
+        """True velocity of a part: linear in W, m/s, then angular in O, rad/s; (6,)."""
+        first = self.mj_model.body_dofadr[self._bodies[index]]
+        found: Array = self.data.qvel[first : first + 6]
+        return found
+
     def X_WF(self) -> Pose:
         """True pose of the flange."""
         return Pose(self.data.xmat[self._flange].reshape(3, 3), self.data.xpos[self._flange])

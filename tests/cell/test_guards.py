@@ -1,4 +1,6 @@
 import contextlib
+import multiprocessing
+import os
 import signal
 import sys
 import time
@@ -8,6 +10,7 @@ from typing import Any
 
 import pytest
 
+from cell import guards
 from cell.guards import guarded_call
 
 
@@ -25,6 +28,26 @@ def swallows() -> None:
     while time.monotonic() - begun < 20:
         with contextlib.suppress(Exception):
             time.sleep(20)
+
+
+def swallows_and_returns() -> int:
+    begun = time.monotonic()
+    while time.monotonic() - begun < 0.2:
+        with contextlib.suppress(BaseException):
+            time.sleep(0.2)
+    return 7
+
+
+def never_returns() -> None:
+    while True:
+        with contextlib.suppress(BaseException):
+            time.sleep(20)
+
+
+def in_a_worker(_: int) -> None:
+    guards._deadline[0] = 0.0  # as if twice the limit and a minute were over
+    guards._watch()
+    never_returns()
 
 
 def raises() -> None:
@@ -67,6 +90,35 @@ def test_ctrl_c_is_nobodys_failure() -> None:
 
     with pytest.raises(KeyboardInterrupt):
         guarded_call(interrupted, 5.0, refusal)
+
+
+def test_a_call_that_swallows_its_alarms_and_returns_has_failed() -> None:
+    with pytest.raises(ValueError, match=r"^it took longer than 0\.05 s$"):
+        guarded_call(swallows_and_returns, 0.05, refusal)
+    assert signal.getitimer(signal.ITIMER_REAL) == (0.0, 0.0)
+
+
+def test_a_worker_that_never_comes_back_ends() -> None:
+    process = multiprocessing.get_context("spawn").Process(target=in_a_worker, args=(0,))
+    process.start()
+    process.join(30)
+    assert process.exitcode == 1
+
+
+def test_a_process_that_the_call_has_forked_ends_where_the_call_does() -> None:
+    this, report = os.getpid(), os.pipe()
+
+    def forks() -> int:
+        return os.fork()
+
+    child = guarded_call(forks, 5.0, refusal)
+    if os.getpid() != this:  # it has come out of the call, which it must not
+        os.write(report[1], b"x")
+        os._exit(0)
+    os.close(report[1])
+    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 1
+    assert os.read(report[0], 1) == b""
+    os.close(report[0])
 
 
 def test_outside_of_the_main_thread_there_is_no_limit() -> None:

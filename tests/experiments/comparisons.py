@@ -13,7 +13,7 @@ from experiments.setup.thresholds import load_thresholds
 from tests.experiments.command import Told, command
 
 PARTS = 2  # per experiment: enough for a second slot of time, and two of them share a picture
-KEY = ("object", "method", "experiment")
+KEY = ("object", "method", "policy", "experiment")
 Row = dict[str, Any]
 
 
@@ -36,3 +36,9 @@ def table_of(folder: Path) -> list[Row]:
 def spec(method: str = "none", experiment: int = 0, **other: Any) -> ExperimentSpec:
     plain = ExperimentSpec("antenna", method, "oracle", load_thresholds("paper"), "fast", PARTS, 5, experiment)
     return replace(plain, **other)
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    """Every file of a run but its lock, which names a process."""
+    files = [file for file in folder.rglob("*") if file.is_file() and file.name != ".lock"]
+    return {file.relative_to(folder).as_posix(): file.read_bytes() for file in files}

@@ -37,7 +37,7 @@ def test_the_job_of_a_command_takes_its_configuration_and_returns_an_exit_code(n
 
 
 def test_no_two_commands_share_a_configuration() -> None:
-    assert len(COMMANDS) == 12
+    assert len(COMMANDS) == 13
     assert len({one.config for one in COMMANDS.values()}) == len(COMMANDS)
 
 
@@ -72,9 +72,10 @@ def test_the_names_in_help_texts_are_those_of_the_methods_and_policies(capsys: p
 
 def test_compare_and_run_have_their_common_options_from_one_record() -> None:
     common = options(CellOptions)
-    assert {"--parts", "--seed", "--estimator", "--policy", "--thresholds", "--speed", "--friction"} <= set(common)
+    assert {"--parts", "--seed", "--estimator", "--thresholds", "--speed", "--friction"} <= set(common)
     for config in (Compare, Run):
         assert options(config)[: len(common)] == common
+        assert "--policy" in options(config)
         assert {field.name for field in fields(CellOptions)} & set(config.__annotations__) == set()
 
 

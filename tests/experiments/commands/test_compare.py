@@ -35,7 +35,7 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_compare_writes_table_manifest_and_all_logs(whole: Path) -> None:
-    wanted = {"table.json", "manifest.json", *(f"{name}.parquet" for name in SCHEMAS)}
+    wanted = {"run.json", "units", ".lock", "table.json", "manifest.json", *(f"{name}.parquet" for name in SCHEMAS)}
     assert {path.name for path in whole.iterdir()} == wanted
 
 
@@ -58,8 +58,9 @@ def test_every_cell_is_the_sum_of_its_rows(whole: Path) -> None:
 
 def test_the_manifest_has_the_seed_the_configuration_and_how_much_is_finished(whole: Path) -> None:
     manifest = json.loads((whole / "manifest.json").read_text(encoding="utf-8"))
-    assert manifest["seed"] == 5
+    assert manifest["common"]["seed"] == manifest["config"]["seed"] == 5
     assert manifest["config"]["parts"] == PARTS
+    assert not {"out", "jobs", "shard"} & set(manifest["config"])
     assert manifest["finished"] == manifest["planned"] == len(OBJECTS) * len(NAMES) * EXPERIMENTS
     assert {"versions", "commit", "platform"} <= set(manifest)
 

@@ -7,21 +7,20 @@ import signal
 import subprocess
 import sys
 import time
-from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
 
 import pytest
 
-from experiments.commands import compare as compare_module
 from experiments.setup.experiment import ExperimentResult, ExperimentSpec, run_experiment
-from tests.experiments.command import command
-from tests.experiments.comparisons import compared, rows, table_of
+from experiments.units import unit
+from experiments.units.interruption import Terminated
+from tests.experiments.comparisons import compared, contents, rows, table_of
 
 ROOT = Path(__file__).parents[3]
 
 
-def ending(monkeypatch: pytest.MonkeyPatch, after: int, error: BaseException) -> None:
-    """From now on, compare's experiments end with this error after so many."""
+def interrupting(monkeypatch: pytest.MonkeyPatch, after: int, error: BaseException) -> None:
+    """From now on, experiments end with this error after so many."""
     finished: list[ExperimentResult] = []
 
     def run(spec: ExperimentSpec) -> ExperimentResult:
@@ -30,66 +29,34 @@ def ending(monkeypatch: pytest.MonkeyPatch, after: int, error: BaseException) ->
         finished.append(run_experiment(spec))
         return finished[-1]
 
-    monkeypatch.setattr(compare_module, "run_experiment", run)
+    monkeypatch.setattr(unit, "run_experiment", run)
 
 
 @pytest.mark.parametrize(
-    ("error", "code", "words"),
-    [
-        (KeyboardInterrupt(), 130, "interrupted after 1 of 3 experiments"),
-        (BrokenProcessPool("killed"), 1, "a worker process died (out of memory?); ended after 1 of 3 experiments"),
-    ],
+    ("error", "code"), [(KeyboardInterrupt(), 130), (Terminated(signal.SIGTERM), 143), (Terminated(signal.SIGHUP), 129)]
 )
-def test_what_ends_compare_early_leaves_what_is_finished(
+@pytest.mark.parametrize("after", [0, 1])
+def test_what_ends_compare_early_keeps_what_is_finished_and_the_same_command_goes_on(
     capsys: pytest.CaptureFixture[str],
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
     error: BaseException,
     code: int,
-    words: str,
+    after: int,
 ) -> None:
-    ending(monkeypatch, after=1, error=error)
-    told = compared(capsys, tmp_path, "--objects", "antenna", "--methods", "none", "--experiments", 3)
+    arguments = ("--objects", "antenna", "--methods", "none", "--experiments", 2)
+    interrupting(monkeypatch, after, error)
+    told = compared(capsys, tmp_path / "run", *arguments)
     assert told.code == code
-    assert words in told.out
-    (cell,) = table_of(tmp_path)
-    assert (cell["experiments"], cell["failed"]) == (1, 0)
-    manifest = json.loads((tmp_path / "manifest.json").read_text(encoding="utf-8"))
-    assert (manifest["finished"], manifest["planned"]) == (1, 3)
-    assert [row["experiment"] for row in rows(tmp_path, "experiments")] == [0]
-    assert rows(tmp_path, "frames")
-
-
-@pytest.mark.parametrize(
-    ("error", "code", "words"),
-    [
-        (KeyboardInterrupt(), 130, "interrupted after 0 of 3 experiments"),
-        (BrokenProcessPool("killed"), 1, "a worker process died (out of memory?); ended after 0 of 3 experiments"),
-    ],
-)
-def test_what_ends_compare_before_its_first_result_leaves_the_earlier_ones(
-    capsys: pytest.CaptureFixture[str],
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    error: BaseException,
-    code: int,
-    words: str,
-) -> None:
-    arguments = ("compare", "--objects", "antenna", "--parts", 1, "--estimator", "oracle", "--speed", "fast")
-    arguments += ("--jobs", 1, "--out", tmp_path)
-    assert command(capsys, *arguments, "--methods", "none", "--experiments", 1).code == 0
-    before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
-    assert {"table.json", "manifest.json", "estimates.parquet"} <= set(before)
-
-    def end(spec: object) -> None:
-        raise error
-
-    monkeypatch.setattr(compare_module, "run_experiment", end)
-    told = command(capsys, *arguments, "--experiments", 1)
-    assert told.code == code
-    assert words in told.out
-    assert f"{tmp_path} is as it was" in told.out
-    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
+    assert f"interrupted: 2 experiments expected = {after} completed + 0 failed + {2 - after} to do" in told.out
+    assert [cell["experiments"] for cell in table_of(tmp_path / "run")] == after * [1]
+    manifest = json.loads((tmp_path / "run" / "manifest.json").read_text(encoding="utf-8"))
+    assert (manifest["finished"], manifest["planned"]) == (after, 2)
+    assert [row["experiment"] for row in rows(tmp_path / "run", "experiments")] == list(range(after))
+    monkeypatch.undo()
+    assert "2 experiments expected = 2 completed + 0 failed" in compared(capsys, tmp_path / "run", *arguments).out
+    assert compared(capsys, tmp_path / "whole", *arguments).code == 0
+    assert contents(tmp_path / "run") == contents(tmp_path / "whole")
 
 
 @pytest.mark.parametrize(
@@ -130,9 +97,6 @@ def test_ctrl_c_in_a_terminal_ends_command_and_workers_within_seconds(
     assert process.returncode == 130
     assert time.monotonic() - pressed < 10
     assert "Traceback" not in errors.read_text()
-    assert "interrupted after" in out
-    if "after 0 of" in out:
-        assert (finished, list((tmp_path / "out").iterdir())) == (0, [])
-        return
+    assert "interrupted: 240 experiments expected" in out
     assert len(rows(tmp_path / "out", "experiments")) >= finished
     assert len(table_of(tmp_path / "out")) >= finished

@@ -55,11 +55,11 @@ def test_each_attempt_upon_a_false_detection_counts_for_a_part_of_its_own() -> N
 def test_a_cell_has_the_mean_of_the_first_attempts_and_the_sum_of_the_failed_parts() -> None:
     counts = [count(4, 4, 4), None, count(6, 2, 2), count(0, 0, 8)]
     firsts = [FirstAttempts(4, 3, 1), None, FirstAttempts(8, 6, 2), FirstAttempts(0, 0, 0)]
-    cell = make_cell("handle", "none", counts, range(4), firsts)
+    cell = make_cell(("handle", "none", "always"), counts, range(4), firsts)
     assert (cell.ap, cell.ap_first, cell.parts_failed) == (pytest.approx(5 / 8), 3 / 4, 3)
     low, high = cell.ap_first_ci
     assert low < 3 / 4 < high
-    unknown = make_cell("handle", "none", counts)
+    unknown = make_cell(("handle", "none", "always"), counts)
     assert (unknown.ap_first, unknown.ap_first_ci, unknown.parts_failed) == (None, None, None)
 
 

@@ -3,15 +3,22 @@ from dataclasses import replace
 import pytest
 
 from cell.records import Tally
-from experiments.commands.compare import make_pairs
 from experiments.commands.config import Compare
-from experiments.results.paired import Paired, difference_interval, format_paired, pair
+from experiments.results import paired
+from experiments.results.paired import Paired, difference_interval, format_paired
 from experiments.setup.actors import Actors
 from experiments.setup.experiment import ExperimentResult
+from experiments.units.summary import counted_of, make_pairs
+from experiments.units.unit import unit_of
 
 
 def count(tp: int, fp: int) -> Tally:
     return Tally(parts=8, tp=tp, fp=fp, fn=8 - tp, void=0, unreachable=0, timeouts=8 - tp - fp, duration=100.0)
+
+
+def pair(part: str, counts: dict[str, list[list[Tally | None]]]) -> list[Paired]:
+    """Methods with one policy."""
+    return paired.pair(part, {(method, "threshold"): groups for method, groups in counts.items()})
 
 
 def singles(*counts: Tally | None) -> list[list[Tally | None]]:
@@ -91,6 +98,18 @@ def test_without_maskval_the_first_method_is_the_reference() -> None:
     assert [(row.method, row.reference, row.placed) for row in rows] == [("a", "none", 1.0), ("b", "none", -2.0)]
 
 
+def test_policies_are_named_where_a_method_has_several() -> None:
+    counts = {("maskval", "threshold"): 4, ("maskval", "fuse"): 5, ("none", "always"): 2}
+    rows = paired.pair("antenna", {who: singles(count(tp, 0)) for who, tp in counts.items()})
+    assert [(row.policy, row.reference_policy, row.placed) for row in rows] == [
+        ("fuse", "threshold", 1.0),
+        ("always", "threshold", -2.0),
+    ]
+    told = format_paired(rows)
+    assert "less those of maskval + threshold" in told
+    assert "antenna  maskval + fuse  placed +1.00" in told
+
+
 def test_one_experiment_has_no_interval_and_one_method_has_no_lines() -> None:
     (row,) = pair("antenna", {"maskval": singles(count(4, 0)), "a": singles(count(5, 0))})
     assert row.placed_ci is None
@@ -101,7 +120,7 @@ def test_one_experiment_has_no_interval_and_one_method_has_no_lines() -> None:
 
 
 def test_the_lines_hold_both_intervals() -> None:
-    row = Paired("handle", "contour", "maskval", 20, 0.75, (0.21, 1.29), -0.1, (-0.3, 0.1))
+    row = Paired("handle", "contour", "threshold", "maskval", "threshold", 20, 0.75, (0.21, 1.29), -0.1, (-0.3, 0.1))
     told = format_paired([row])
     assert "handle  contour  placed +0.75 [+0.21, +1.29]" in told
     assert "failed -0.10 [-0.30, +0.10]" in told
@@ -119,8 +138,8 @@ def test_experiments_of_compare_with_one_error_model_are_a_group() -> None:
     results = [
         ExperimentResult(spec, count(2 + more.get((spec.method, spec.experiment), 0), 0), None, {}) for spec in specs
     ]
-    (row,) = make_pairs(specs, results)
+    (row,) = make_pairs([counted_of(unit_of(result)) for result in results])
     assert (row.experiments, row.placed) == (21, pytest.approx(4 / 20))
-    plain = [replace(spec, noise=()) for spec in specs]
-    (row,) = make_pairs(plain, [replace(result, spec=spec) for spec, result in zip(plain, results, strict=True)])
+    plain = [replace(result, spec=replace(result.spec, noise=())) for result in results]
+    (row,) = make_pairs([counted_of(unit_of(result)) for result in plain])
     assert row.placed == pytest.approx(8 / 21)

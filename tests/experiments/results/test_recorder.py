@@ -202,8 +202,8 @@ def test_a_record_of_unknown_kind_is_refused() -> None:
 def test_an_experiments_own_row_has_its_counts_or_the_reason_why_there_are_none(failed: bool) -> None:
     recorder = Recorder(KEY, brick(), LatestTruth())
     count = None if failed else Tally(8, 1, 2, 3, 4, 5, 6, 99.5)
-    recorder.finish(11, "oracle", "always", count, "no room" if failed else None)
+    recorder.finish(11, "oracle", count, "no room" if failed else None)
     row = only(recorder.tables, "experiments")
-    told = {"seed": 11, "estimator": "oracle", "policy": "always", "failure": "no room" if failed else None}
+    told = {"seed": 11, "estimator": "oracle", "failure": "no room" if failed else None}
     counts = {"parts": 8, "tp": 1, "fp": 2, "fn": 3, "void": 4, "unreachable": 5, "timeouts": 6, "duration_s": 99.5}
     assert row == told | ({} if failed else counts)

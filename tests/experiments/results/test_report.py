@@ -6,6 +6,7 @@ from experiments.results.table import Cell
 CELL = Cell(
     object="antenna",
     method="maskval",
+    policy="threshold",
     experiments=5,
     failed=0,
     parts=40,
@@ -31,6 +32,7 @@ CELL = Cell(
 EMPTY = replace(
     CELL,
     method="none",
+    policy="always",
     tp=0,
     ap=None,
     ar=None,

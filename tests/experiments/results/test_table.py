@@ -10,7 +10,7 @@ from experiments.results.table import Cell, make_cell
 
 # What issue "The cell runs" promises to whoever reads table.json.
 KEYS = [
-    *("object", "method", "experiments", "failed", "parts", "tp", "fp", "fn", "void", "timeouts"),
+    *("object", "method", "policy", "experiments", "failed", "parts", "tp", "fp", "fn", "void", "timeouts"),
     *("ap", "ar", "ap_pooled", "ar_pooled", "ap_ci", "ar_ci", "cycle_time_s"),
     *("worlds", "ap_pooled_ci", "ar_pooled_ci", "ap_first", "ap_first_ci", "parts_failed"),
 ]
@@ -31,7 +31,7 @@ def count(tp: int = 0, fp: int = 0, fn: int = 0, void: int = 0, parts: int = 8, 
 
 
 def cell(*counts: Tally | None) -> Cell:
-    return make_cell("antenna", "maskval", counts)
+    return make_cell(("antenna", "maskval", "threshold"), counts)
 
 
 def test_ap_and_ar_are_averaged_over_experiments_and_pooled_over_attempts() -> None:

@@ -1,0 +1,86 @@
+"""Runs the experiments of a folder that have not ended yet, wherever that may be, and keeps each as it ends."""
+
+import sys
+from collections.abc import Callable, Generator, Iterable, Sequence
+from contextlib import closing
+from dataclasses import dataclass
+
+from tqdm import tqdm
+
+from experiments.setup.experiment import ExperimentSpec
+from experiments.setup.pool import Died, completed
+from experiments.units.identity import describe
+from experiments.units.run_folder import RunFolder
+from experiments.units.unit import failed_unit, run_unit
+from sim.errors import SimError
+
+Ran = tuple[str, bool, bytes]  # a unit's place, whether it has a result, its bytes
+Executor = Callable[[Iterable[ExperimentSpec]], Generator[tuple[ExperimentSpec, Ran | Died], None, None]]
+_MOST_DEATHS = 5  # in a row: then something is wrong with the machine, not with an experiment
+
+
+@dataclass(frozen=True, slots=True)
+class Ended:
+    """How a run came to an early end: in words, with the exit code."""
+
+    reason: str
+    code: int
+
+
+def locally(jobs: int) -> Executor:
+    """Runs experiments in so many processes of this machine."""
+    return lambda specs: completed(run_unit, specs, jobs)
+
+
+def missing(folder: RunFolder, specs: Iterable[ExperimentSpec], *, retry_failed: bool) -> list[ExperimentSpec]:
+    """Those that have not ended; those that failed are among them if they are to be tried again."""
+    left = []
+    for spec in specs:
+        description = describe(spec)
+        if not folder.has(description) and (retry_failed or not folder.has(description, failed=True)):
+            left.append(spec)
+    return left
+
+
+def execute(folder: RunFolder, specs: Sequence[ExperimentSpec], total: int, executor: Executor) -> Ended | None:
+    """Runs experiments and adds their units to the folder.
+
+    Args:
+        folder: where they go.
+        specs: those to run.
+        total: how many there are with those that had ended before, for the progress bar.
+        executor: runs them.
+
+    Returns:
+        How it ended early; None if it ran all of them.
+
+    Raises:
+        SimError: the cell cannot be set up.
+        UsageError: a unit cannot be written.
+    """
+    deaths = 0
+    with _progress(total, total - len(specs)) as progress, closing(executor(specs)) as stream:
+        try:
+            for spec, ran in stream:
+                deaths = deaths + 1 if isinstance(ran, Died) else 0
+                if deaths == _MOST_DEATHS:
+                    return Ended(f"{deaths} worker processes died one after the other (out of memory?); ended", 1)
+                place, ok, packed = _died(spec) if isinstance(ran, Died) else ran
+                folder.add(place, packed, ok=ok)
+                progress.set_postfix_str(f"{spec.part} × {spec.method}", refresh=False)
+                progress.update()
+        except KeyboardInterrupt as interrupt:
+            return Ended("interrupted", getattr(interrupt, "code", 130))
+        except SimError:
+            progress.leave = False  # the error is to be the only line
+            raise
+    return None
+
+
+def _died(spec: ExperimentSpec) -> Ran:
+    unit = failed_unit(spec, "its worker process died twice (out of memory, or killed by what it called)")
+    return unit.place, False, unit.to_bytes()
+
+
+def _progress(total: int, done: int) -> "tqdm[None]":
+    return tqdm(total=total, initial=done, unit="experiment", dynamic_ncols=True, file=sys.stderr)
