@@ -13,7 +13,7 @@ from tests.maskval import bop_dataset, shapes
 
 DOCS = Path(__file__).parents[2] / "docs"
 # The blocks that each page has: one that is not found is not run.
-PAGES = {"maskval.md": 6, "conventions.md": 4, "uq-methods.md": 3, "datasets.md": 2, "gym.md": 3}
+PAGES = {"maskval.md": 6, "conventions.md": 4, "uq-methods.md": 3, "datasets.md": 2, "gym.md": 3, "statistics.md": 1}
 BLOCK = re.compile(r"^```(\w+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
 
