@@ -5,10 +5,9 @@ from dataclasses import dataclass
 from math import inf, sqrt
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike
-from scipy.optimize import brentq
 from scipy.special import ndtri
-from scipy.stats import binomtest
 
 from maskval import proportion_interval
 
@@ -72,7 +71,7 @@ def mcnemar_p(parts: PairedParts) -> float:
     """
     if parts.discordant == 0:
         return 1.0
-    return float(binomtest(parts.first_only, parts.discordant, 0.5).pvalue)
+    return float(scipy.stats.binomtest(parts.first_only, parts.discordant, 0.5).pvalue)
 
 
 def tango_interval(parts: PairedParts, level: float = 0.95) -> Interval:
@@ -136,7 +135,7 @@ def _root(function: Callable[[float], float], end: float, middle: float) -> floa
         return end
     if function(inside) * function(middle) > 0:
         return end
-    return float(brentq(function, inside, middle, xtol=1e-12))
+    return float(scipy.optimize.brentq(function, inside, middle, xtol=1e-12))
 
 
 def _odds(share: float) -> float:

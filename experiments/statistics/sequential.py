@@ -11,8 +11,8 @@ from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike, NDArray
-from scipy.optimize import brentq
 from scipy.special import logsumexp
 
 Array = NDArray[np.float64]
@@ -143,7 +143,9 @@ def _refuted(excess: Callable[[float], float]) -> float:
     """The mean up to which all are refuted, in [0, 1]; 0 if none is."""
     if excess(_EDGE) <= 0:
         return 0.0
-    return float(brentq(excess, _EDGE, 1.0, xtol=1e-10))  # a mean of 1 is never refuted: no observation is larger
+    return float(
+        scipy.optimize.brentq(excess, _EDGE, 1.0, xtol=1e-10)
+    )  # a mean of 1 is never refuted: no observation is larger
 
 
 def _target(alpha: float) -> float:
