@@ -2,12 +2,14 @@
 
 from collections.abc import Sequence
 from pathlib import Path
+from shutil import get_terminal_size
 from typing import Any
 
 from experiments.commands.config import Compare
 from experiments.results.paired import format_paired
 from experiments.results.provenance import config_as_json, manifest, write_json
-from experiments.results.report import LEGEND, format_table
+from experiments.results.report import format_table
+from experiments.results.table_files import write_tables
 from experiments.setup.checks import FAILED
 from experiments.setup.experiment import ExperimentSpec
 from experiments.units.execution import Ended, execute, locally, missing
@@ -81,15 +83,12 @@ def report(folder: RunFolder, ended: Ended | None) -> int:
 
 
 def write_results(folder: RunFolder, summary: Summary) -> None:
-    """Writes table.json and manifest.json, which say the same whatever happened on the way.
+    """Writes the table in all its forms and the manifest, which say the same whatever happened on the way.
 
     Raises:
         UsageError: they cannot be written.
     """
-    write_json(
-        folder.path / "table.json",
-        {"cells": [cell.as_json() for cell in summary.cells], "paired": [row.as_json() for row in summary.pairs]},
-    )
+    write_tables(folder.path, summary.cells, summary.pairs, summary.tests)
     write_json(
         folder.path / "manifest.json",
         {
@@ -113,9 +112,8 @@ def print_table(folder: RunFolder, summary: Summary) -> None:
     policies = {cell.of["policy"] for cell in folder.asked if not cell.description["cell"]["own_policy"]}
     if len(policies) == 1:
         print(f"policy: {policies.pop()}")
-    print(format_table(summary.cells, as_paper=undisturbed))
-    print(LEGEND)
-    print(format_paired(summary.pairs), end="\n" if summary.pairs else "")
+    print(format_table(summary.cells, as_paper=undisturbed, width=get_terminal_size().columns))
+    print(format_paired(summary.pairs, summary.tests), end="\n" if summary.pairs else "")
     for caveat in caveats_of(folder.asked):
         print(caveat)
 

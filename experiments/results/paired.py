@@ -6,13 +6,13 @@ from statistics import fmean
 from typing import Any
 
 from cell.records import Tally
+from experiments.results.pair_tests import PairTest, Who
 from experiments.results.table import Interval
 from maskval import mean_interval
 from maskval.cluster_intervals import clustered_rate_interval
 
 REFERENCE = "maskval"  # what the others are held against, if it is among them
 
-Who = tuple[str, str]  # method and policy
 Counts = Mapping[Who, Sequence[Sequence[Tally | None]]]  # of each group of experiments; None failed
 
 
@@ -109,21 +109,33 @@ def difference_interval(differences: Sequence[float], slots: Sequence[Sequence[i
     return max(differences[0] - most * share[1], -most), min(differences[0] + most * share[1], most)
 
 
-def format_paired(rows: Sequence[Paired]) -> str:
-    """A line per row, beneath the table; nothing without rows."""
+def format_paired(rows: Sequence[Paired], tests: Sequence[PairTest] = ()) -> str:
+    """A line per row, beneath the table; nothing without rows. With tests, the p of each row's difference in parts."""
     if not rows:
         return ""
     named = have_several_policies({who for row in rows for who in _both_sides(row)})
     reference = f"{rows[0].reference} + {rows[0].reference_policy}" if named else rows[0].reference
-    lines = [f"parts per experiment, less those of {reference} in the same experiments [95 %]"]
     whos = [f"{row.method} + {row.policy}" if named else row.method for row in rows]
-    widths = max(len(row.object) for row in rows), max(map(len, whos))
+    widths = max(6, *(len(row.object) for row in rows)), max(6, *map(len, whos))
+    p = {(test.object, frozenset((test.first, test.second))): test.p_holm for test in tests}
+    lines = [
+        f"parts per experiment, less those of {reference} in the same experiments [95 %]",
+        f"{'object':{widths[0]}}  {'method':{widths[1]}}  {'placed':22}  {'p   ' if p else ''}  {'failed':22}  runs",
+    ]
     for row, who in zip(rows, whos, strict=True):
+        shown = f"{_p(p[row.object, frozenset(_both_sides(row))])}  " if p else "  "
         lines.append(
-            f"{row.object:{widths[0]}}  {who:{widths[1]}}  placed {_difference(row.placed, row.placed_ci)}  "
-            f"failed {_difference(row.failed, row.failed_ci)}  {row.experiments:4} runs"
+            f"{row.object:{widths[0]}}  {who:{widths[1]}}  {_difference(row.placed, row.placed_ci)}  "
+            f"{shown}{_difference(row.failed, row.failed_ci)}  {row.experiments:4}"
         )
+    if p:
+        lines.append("p: of the difference in parts placed, by sign flips over worlds, adjusted by Holm")
     return "\n".join(lines)
+
+
+def _p(p: float) -> str:
+    """A p without its zero, in four characters."""
+    return "1.00" if p >= 0.995 else "<.01" if p < 0.005 else f"{p:.2f}"[1:].rjust(4)
 
 
 def have_several_policies(whos: Collection[Who]) -> bool:

@@ -42,6 +42,7 @@ class Cell:
         ap_first: AP of the first attempt for each part (see `FirstAttempts`), mean over the experiments that have one.
         ap_first_ci: 95 % interval of `ap_first`, as of `ap`.
         parts_failed: distinct parts that an attempt failed for, summed over experiments.
+        same: letters; cells of one object that share one cannot be told apart in parts placed. None without another.
     """
 
     object: str
@@ -68,6 +69,7 @@ class Cell:
     ap_first: float | None
     ap_first_ci: Interval | None
     parts_failed: int | None
+    same: str | None = None
 
     def as_json(self) -> dict[str, Any]:
         """The cell as it stands in table.json."""

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from tqdm import tqdm
 
+from experiments.errors import UsageError
 from experiments.setup.experiment import ExperimentSpec
 from experiments.setup.pool import Died, completed
 from experiments.units.identity import describe
@@ -71,8 +72,13 @@ def execute(folder: RunFolder, specs: Sequence[ExperimentSpec], total: int, exec
                 progress.update()
         except KeyboardInterrupt as interrupt:
             return Ended("interrupted", getattr(interrupt, "code", 130))
-        except SimError:
+        except UsageError as error:
             progress.leave = False  # the error is to be the only line
+            raise UsageError(
+                f"{error}; {progress.n} of {total} experiments are kept, and the same command goes on"
+            ) from error
+        except SimError:
+            progress.leave = False
             raise
     return None
 

@@ -108,7 +108,7 @@ class RunFolder:
                 self.asked.append(cell)
                 continue
             for key in ("cell", "noise"):
-                name = " × ".join(cell.of.values())
+                name = " × ".join(cell.of[key] for key in ("object", "method", "policy"))
                 self._check({key: known.description[key]}, {key: cell.description[key]}, f" of {name}")
             known.experiments = max(known.experiments, cell.experiments)
         self.options = options
@@ -143,7 +143,8 @@ class RunFolder:
             self._compare(file, packed)
             return
         try:
-            file.parent.mkdir(parents=True, exist_ok=True)
+            for folder in (file.parent.parent, file.parent):  # not the run's own, which somebody may have removed
+                folder.mkdir(exist_ok=True)
         except OSError as error:
             raise UsageError(f"cannot write {file}: {error.strerror or error}") from error
         with replacing(file) as content:

@@ -1,40 +1,17 @@
 """From a run's units to its table and logs."""
 
 from collections.abc import Hashable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
-from cell.records import Tally
-from experiments.results.first_attempts import FirstAttempts
+from experiments.results.counted import Counted, Of, parts_placed
+from experiments.results.pair_tests import PairTest, letters, pair_tests
 from experiments.results.paired import Paired, pair
 from experiments.results.store import SCHEMAS, LogWriter
 from experiments.results.table import Cell, make_cell
 from experiments.units.identity import Description
 from experiments.units.run_folder import Asked, RunFolder
 from experiments.units.unit import Unit
-
-Of = tuple[str, str, str]  # object, method, policy
-
-
-@dataclass(frozen=True, slots=True)
-class Counted:
-    """What the table needs of an experiment.
-
-    Attributes:
-        of: object, method and policy.
-        experiment: its number.
-        world: equal for experiments with the same error model of a domain gap, which are not independent.
-        count: what it came to; None if it failed.
-        first: its first attempts; None if it failed.
-        failure: why it failed; None if it did not.
-    """
-
-    of: Of
-    experiment: int
-    world: Hashable
-    count: Tally | None
-    first: FirstAttempts | None
-    failure: str | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,6 +21,7 @@ class Summary:
     experiments: tuple[Counted, ...]
     cells: tuple[Cell, ...]
     pairs: tuple[Paired, ...]
+    tests: tuple[PairTest, ...]
 
     @property
     def completed(self) -> int:
@@ -75,6 +53,7 @@ def counted_of(unit: Unit) -> Counted:
         world=_world(description["noise"], description["experiment"]),
         count=unit.count,
         first=unit.first,
+        placed=() if unit.count is None else parts_placed(unit.tables, unit.count.parts),
         failure=unit.failure,
     )
 
@@ -91,7 +70,10 @@ def _world(noise: Iterable[Sequence[Any]], experiment: int) -> Hashable:
 
 def summary_of(counted: Sequence[Counted]) -> Summary:
     """The table of experiments, in their order."""
-    return Summary(tuple(counted), tuple(make_cells(counted)), tuple(make_pairs(counted)))
+    tests = pair_tests(counted)
+    same = letters(tests, counted)
+    cells = [replace(cell, same=same.get((cell.object, cell.method, cell.policy))) for cell in make_cells(counted)]
+    return Summary(tuple(counted), tuple(cells), tuple(make_pairs(counted)), tuple(tests))
 
 
 def make_cells(counted: Sequence[Counted]) -> list[Cell]:

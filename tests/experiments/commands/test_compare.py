@@ -35,7 +35,17 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_compare_writes_table_manifest_and_all_logs(whole: Path) -> None:
-    wanted = {"run.json", "units", ".lock", "table.json", "manifest.json", *(f"{name}.parquet" for name in SCHEMAS)}
+    wanted = {
+        "run.json",
+        "units",
+        ".lock",
+        "manifest.json",
+        "table.json",
+        "table.csv",
+        "table.md",
+        "table.tex",
+        *(f"{name}.parquet" for name in SCHEMAS),
+    }
     assert {path.name for path in whole.iterdir()} == wanted
 
 

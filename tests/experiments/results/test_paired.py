@@ -5,9 +5,11 @@ import pytest
 from cell.records import Tally
 from experiments.commands.config import Compare
 from experiments.results import paired
+from experiments.results.pair_tests import Contrast, PairTest
 from experiments.results.paired import Paired, difference_interval, format_paired
 from experiments.setup.actors import Actors
 from experiments.setup.experiment import ExperimentResult
+from experiments.statistics.mcnemar import PairedParts
 from experiments.units.summary import counted_of, make_pairs
 from experiments.units.unit import unit_of
 
@@ -107,7 +109,7 @@ def test_policies_are_named_where_a_method_has_several() -> None:
     ]
     told = format_paired(rows)
     assert "less those of maskval + threshold" in told
-    assert "antenna  maskval + fuse  placed +1.00" in told
+    assert "antenna  maskval + fuse  +1.00" in told
 
 
 def test_one_experiment_has_no_interval_and_one_method_has_no_lines() -> None:
@@ -115,16 +117,30 @@ def test_one_experiment_has_no_interval_and_one_method_has_no_lines() -> None:
     assert row.placed_ci is None
     told = format_paired([row])
     assert "less those of maskval" in told
-    assert "placed +1.00 [–]" in told
+    assert "  +1.00 [–]" in told
     assert format_paired(pair("antenna", {"maskval": singles(count(4, 0))})) == ""
 
 
 def test_the_lines_hold_both_intervals() -> None:
     row = Paired("handle", "contour", "threshold", "maskval", "threshold", 20, 0.75, (0.21, 1.29), -0.1, (-0.3, 0.1))
     told = format_paired([row])
-    assert "handle  contour  placed +0.75 [+0.21, +1.29]" in told
-    assert "failed -0.10 [-0.30, +0.10]" in told
-    assert told.endswith("  20 runs")
+    assert "handle  contour  +0.75 [+0.21, +1.29]  " in told
+    assert "  -0.10 [-0.30, +0.10]  " in told
+    assert told.endswith("    20")
+
+
+def test_the_p_of_a_row_is_that_of_its_pair_whichever_comes_first() -> None:
+    row = Paired("handle", "contour", "threshold", "maskval", "threshold", 20, 0.75, (0.21, 1.29), -0.1, (-0.3, 0.1))
+    nothing = Contrast(0.0, None, 1.0)
+    test = PairTest(
+        *("handle", ("maskval", "threshold"), ("contour", "threshold"), 20, 20, PairedParts(1, 1, 1, 1), 1.0),
+        *((-1.0, 1.0), nothing, nothing, None, None, None),
+    )
+    for p, shown in ((0.034, " .03"), (0.0001, "<.01"), (1.0, "1.00"), (0.5, " .50")):
+        told = format_paired([row], [replace(test, p_holm=p)]).splitlines()
+        assert f"[+0.21, +1.29]    {shown}  -0.10" in told[2]
+        assert told[1].index("p ") == told[2].index(shown)
+        assert max(map(len, told)) <= 85
 
 
 def test_experiments_of_compare_with_one_error_model_are_a_group() -> None:
@@ -136,7 +152,10 @@ def test_experiments_of_compare_with_one_error_model_are_a_group() -> None:
     # "none" places 4 more in the experiments 0 and 20 and as many in the others: world 0 counts once, so 4 / 20.
     more = {("none", 0): 4, ("none", 20): 4}
     results = [
-        ExperimentResult(spec, count(2 + more.get((spec.method, spec.experiment), 0), 0), None, {}) for spec in specs
+        ExperimentResult(
+            spec, count(2 + more.get((spec.method, spec.experiment), 0), 0), None, {"attempts": [], "estimates": []}
+        )
+        for spec in specs
     ]
     (row,) = make_pairs([counted_of(unit_of(result)) for result in results])
     assert (row.experiments, row.placed) == (21, pytest.approx(4 / 20))

@@ -1,6 +1,8 @@
 from dataclasses import replace
 
-from experiments.results.report import LEGEND, format_table
+import pytest
+
+from experiments.results.report import format_table
 from experiments.results.table import Cell
 
 CELL = Cell(
@@ -57,7 +59,7 @@ def words(*cells: Cell, as_paper: bool = True) -> list[dict[str, str]]:
         names.append(name if name not in names else f"{name} 2")
     return [
         dict(zip(names, row.replace(" (", "(", 2 * as_paper).split(maxsplit=len(names) - 1), strict=True))
-        for row in rows
+        for row in rows[: len(cells)]
     ]
 
 
@@ -94,7 +96,7 @@ def test_the_papers_figures_are_those_of_the_same_object_and_method() -> None:
 
 def test_an_object_or_method_that_the_paper_does_not_have_has_nothing_beside() -> None:
     for cell in (replace(CELL, object="mug"), replace(CELL, method="coin-toss")):
-        _, _, row = format_table([cell]).splitlines()
+        _, _, row, *_ = format_table([cell]).splitlines()
         assert "(" not in row
         assert row.split()[2:6] == ["97.5", "87–100", "94.9", "100.0"]
 
@@ -105,14 +107,33 @@ def test_undefined_rates_show_a_dash_and_no_zero() -> None:
     assert (row["AP"], row["AR"]) == ("–(90)", "–(82.5)")
 
 
-def test_the_papers_six_rows_fit_in_a_hundred_columns() -> None:
+def six() -> list[Cell]:
+    """The paper's rows with the longest figures."""
     worst = replace(CELL, ap=1.0, ar=1.0, ap_ci=(0.9, 1.0), ar_ci=(0.9, 1.0), ap_first=1.0, tp=160, fp=160, fn=160)
-    worst = replace(worst, parts_failed=99, experiments=20)
+    worst = replace(worst, parts_failed=99, experiments=20, same="ab")
     methods = ("none", "ensemble-add", "maskval")
-    table = format_table(
-        [replace(worst, object=part, method=name) for part in ("antenna", "handle") for name in methods]
-    )
-    assert max(map(len, [*table.splitlines(), LEGEND])) <= 100
+    return [replace(worst, object=part, method=name) for part in ("antenna", "handle") for name in methods]
+
+
+@pytest.mark.parametrize(
+    ("width", "left_out"),
+    [(200, []), (97, ["s"]), (90, ["s", "runs"]), (80, ["s", "runs", "on", "first"])],
+)
+def test_a_table_fits_the_width_or_leaves_out_the_least_important(width: int, left_out: list[str]) -> None:
+    lines = format_table(six(), width=width).splitlines()
+    assert max(map(len, lines[:8])) <= width
+    columns = lines[0].split()
+    assert [name for name in ("s", "runs", "on", "first", "≈") if name not in columns] == left_out
+    explained = [line.partition(":")[0] for line in lines[8:]]
+    assert [name for name in left_out if name in explained] == []
+    assert ("experiments of each cell: 20" in lines) == ("runs" in left_out)
+
+
+def test_letters_are_shown_and_explained_where_there_are_some() -> None:
+    assert "≈" not in format_table([CELL])
+    lines = format_table([replace(CELL, same="a"), CELL]).splitlines()
+    assert [line.split()[-1] for line in (lines[0], lines[2], lines[3])] == ["≈", "a", "–"]
+    assert any(line.startswith("≈: ") for line in lines)
 
 
 def test_missing_experiments_are_told_beside_those_that_count() -> None:
@@ -123,7 +144,7 @@ def test_missing_experiments_are_told_beside_those_that_count() -> None:
 
 def test_columns_are_aligned_words_to_the_left_and_numbers_to_the_right() -> None:
     wide = replace(CELL, object="a-part-with-a-long-name", tp=12345)
-    header, rule, *rows = format_table([CELL, wide, EMPTY]).splitlines()
+    header, rule, *rows = format_table([CELL, wide, EMPTY]).splitlines()[:5]
     assert len(rows) == 3
     assert set(rule) == {"-"}
     assert len(rule) == max(map(len, (header, *rows)))
@@ -135,6 +156,6 @@ def test_columns_are_aligned_words_to_the_left_and_numbers_to_the_right() -> Non
 
 
 def test_the_table_of_no_cell_is_its_header() -> None:
-    header, rule = format_table([]).splitlines()
+    header, rule, *_ = format_table([]).splitlines()
     assert header.split()[:2] == ["object", "method"]
     assert len(rule) == len(header)

@@ -12,7 +12,7 @@ from experiments.results.table import Cell, make_cell
 KEYS = [
     *("object", "method", "policy", "experiments", "failed", "parts", "tp", "fp", "fn", "void", "timeouts"),
     *("ap", "ar", "ap_pooled", "ar_pooled", "ap_ci", "ar_ci", "cycle_time_s"),
-    *("worlds", "ap_pooled_ci", "ar_pooled_ci", "ap_first", "ap_first_ci", "parts_failed"),
+    *("worlds", "ap_pooled_ci", "ar_pooled_ci", "ap_first", "ap_first_ci", "parts_failed", "same"),
 ]
 RATES = ("ap", "ar", "ap_pooled", "ar_pooled", "ap_ci", "ar_ci", "ap_pooled_ci", "ar_pooled_ci", "cycle_time_s")
 

@@ -65,7 +65,7 @@ def test_experiments_of_one_world_are_one_cluster() -> None:
 def test_compare_takes_experiments_with_one_error_model_for_one_world() -> None:
     config = Compare(objects=("handle",), methods=("none",), experiments=21, actors=Actors(gap="fitted"), jobs=1)
     specs = config.specs()
-    results = [ExperimentResult(spec, count(4, 4, 4), None, {}) for spec in specs]
+    results = [ExperimentResult(spec, count(4, 4, 4), None, {"attempts": [], "estimates": []}) for spec in specs]
     (cell,) = make_cells([counted_of(unit_of(result)) for result in results])
     assert (cell.experiments, cell.worlds) == (21, 20)
     plain = [replace(result, spec=replace(result.spec, noise=())) for result in results]

@@ -19,7 +19,7 @@ def test_a_whole_comparison_makes_each_part_once(monkeypatch: pytest.MonkeyPatch
     error_models._draws.cache_clear()
     specs = Compare(methods=("all",), experiments=20, actors=Actors(gap="fitted")).specs()
     count = Tally(parts=8, tp=8, fp=0, fn=0, void=0, unreachable=0, timeouts=0, duration=90.0)
-    results = [ExperimentResult(spec, count, None, {}) for spec in specs]
+    results = [ExperimentResult(spec, count, None, {"attempts": [], "estimates": []}) for spec in specs]
     summary = summary_of([counted_of(unit_of(result)) for result in results])
     assert {cell.object for cell in summary.cells} == {"antenna", "handle"}
     assert (len(summary.pairs), len(thresholds_of(asked_by(specs)))) == (28, 2)
