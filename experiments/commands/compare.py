@@ -1,25 +1,36 @@
 """`graspcell compare`: the table of objects, methods and policies."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from shutil import get_terminal_size
 from typing import Any
 
 from experiments.commands.config import Compare
+from experiments.errors import UsageError
 from experiments.results.paired import format_paired
 from experiments.results.provenance import config_as_json, manifest, write_json
 from experiments.results.report import format_table
 from experiments.results.table_files import write_tables
 from experiments.setup.checks import FAILED
 from experiments.setup.experiment import ExperimentSpec
-from experiments.units.execution import Ended, execute, locally, missing
+from experiments.units.execution import Ended, Executor, execute, locally, missing
 from experiments.units.identity import describe
 from experiments.units.interruption import terminations_raised
 from experiments.units.run_folder import Asked, RunFolder
-from experiments.units.summary import Summary, caveats_of, summarise, thresholds_of
+from experiments.units.stopping import Stopping
+from experiments.units.summary import Summary, caveats_of, counted_of, summarise, thresholds_of
 from sim.model.conditions import Conditions
 
-_ELSEWHERE = ("jobs", "shard", "retry_failed", "overwrite", "out")  # how and where to run, which changes no result
+_ELSEWHERE = (
+    "jobs",
+    "shard",
+    "retry_failed",
+    "overwrite",
+    "out",
+    "until",
+    "experiments",
+)  # how and where to run, which changes no result
 
 
 def compare(config: Compare) -> int:
@@ -34,16 +45,51 @@ def compare(config: Compare) -> int:
         SimError: the cell cannot be set up.
     """
     specs, (number, shares) = config.specs(), config.share
+    stopping = Stopping(config.until, specs) if config.until else None
+    if stopping is not None and shares > 1:
+        raise UsageError("expected --until without --shard: a share alone cannot answer it")
     with terminations_raised(), RunFolder.opened(config.out, overwrite=config.overwrite) as folder:
+        before = [replace(cell) for cell in folder.asked]
         folder.ask(asked_by(specs), options_of(config))
-        own = share_of(specs, number, shares)
+        own = share_of(specs, number, shares, by_number=stopping is not None)
         left = missing(folder, own, retry_failed=config.retry_failed)
         if len(left) < len(own):
             print(f"{len(own) - len(left)} of {len(own)} experiments are in {folder.path} already")
-        ended = execute(folder, left, len(own), locally(config.workers)) if left else None
+        ended = _run(folder, left, len(own), locally(config.workers), stopping)
         if shares > 1:
             return _told_of_share(folder.path, config.shard, len(own), ended)
-        return report(folder, ended)
+        if stopping is not None and ended is None:
+            _stop(folder, before, stopping)
+        return report(folder, ended, stopping)
+
+
+def _run(
+    folder: RunFolder, left: Sequence[ExperimentSpec], total: int, executor: Executor, stopping: Stopping | None
+) -> Ended | None:
+    """Runs what is left, until the conditions are answered; returns how it ended early."""
+    enough = None
+    if stopping is not None:
+        answered = [stopping.add(counted_of(unit)) for unit in folder.units()]
+        if answered and answered[-1]:
+            return None
+        enough = lambda unit: stopping.add(counted_of(unit))  # noqa: E731
+    return execute(folder, left, total, executor, enough) if left else None
+
+
+def _stop(folder: RunFolder, before: Sequence[Asked], stopping: Stopping) -> None:
+    """Has the folder hold the experiments that answered, and those that were asked for before."""
+    if stopping.experiments is None:
+        return
+    earlier = {tuple(cell.of.items()): cell.experiments for cell in before}
+    folder.content_with(
+        [
+            replace(
+                cell,
+                experiments=min(cell.experiments, max(stopping.experiments, earlier.get(tuple(cell.of.items()), 0))),
+            )
+            for cell in folder.asked
+        ]
+    )
 
 
 def options_of(config: Compare) -> dict[str, Any]:
@@ -59,17 +105,23 @@ def asked_by(specs: Sequence[ExperimentSpec]) -> list[Asked]:
     return [Asked(describe(group[0]), len(group)) for group in cells.values()]
 
 
-def share_of(specs: Sequence[ExperimentSpec], number: int, shares: int) -> list[ExperimentSpec]:
-    """One of so many shares, the first being 1, each with experiments of all cells."""
-    return sorted(specs, key=lambda spec: spec.experiment)[number - 1 :: shares] if shares > 1 else list(specs)
+def share_of(
+    specs: Sequence[ExperimentSpec], number: int, shares: int, *, by_number: bool = False
+) -> list[ExperimentSpec]:
+    """One of so many shares, the first being 1, each with experiments of all cells, in the order of their numbers."""
+    if shares == 1 and not by_number:
+        return list(specs)
+    return sorted(specs, key=lambda spec: spec.experiment)[number - 1 :: shares]
 
 
-def report(folder: RunFolder, ended: Ended | None) -> int:
+def report(folder: RunFolder, ended: Ended | None, stopping: Stopping | None = None) -> int:
     """Prints the table of a folder and writes it with its logs; returns the exit code."""
     summary = summarise(folder)
     write_results(folder, summary)
     if summary.experiments:
         print_table(folder, summary)
+    for line in stopping.lines() if stopping is not None else ():
+        print(line)
     failed = len(summary.failures)
     for one in summary.failures:
         print(f"failed: {' × '.join(one.of[:2])}, experiment {one.experiment}: {one.failure}")

@@ -102,6 +102,9 @@ class Compare(CellOptions):
     """Experiments per object and method; experiment i meets the same parts in the same poses with every method."""
     u_grasp: tuple[str, ...] = ()
     """Grasping thresholds of your own for all objects, METHOD=U; they take precedence over --thresholds."""
+    until: tuple[str, ...] = ()
+    """Conditions such as "ap(maskval) >= 0.99" or "placed(maskval) > placed(ensemble-add)": stop before all experiments
+    where each of them is answered, yes or no, which errs in 5 percent of runs at most."""
     jobs: int = 0
     """Processes to run experiments in; 0 takes one per core. The results do not depend on it."""
     shard: str | None = None

@@ -12,7 +12,7 @@ from experiments.setup.experiment import ExperimentSpec
 from experiments.setup.pool import Died, completed
 from experiments.units.identity import describe
 from experiments.units.run_folder import RunFolder
-from experiments.units.unit import failed_unit, run_unit
+from experiments.units.unit import Unit, failed_unit, run_unit
 from sim.errors import SimError
 
 Ran = tuple[str, bool, bytes]  # a unit's place, whether it has a result, its bytes
@@ -43,7 +43,13 @@ def missing(folder: RunFolder, specs: Iterable[ExperimentSpec], *, retry_failed:
     return left
 
 
-def execute(folder: RunFolder, specs: Sequence[ExperimentSpec], total: int, executor: Executor) -> Ended | None:
+def execute(
+    folder: RunFolder,
+    specs: Sequence[ExperimentSpec],
+    total: int,
+    executor: Executor,
+    enough: Callable[[Unit], bool] | None = None,
+) -> Ended | None:
     """Runs experiments and adds their units to the folder.
 
     Args:
@@ -51,9 +57,10 @@ def execute(folder: RunFolder, specs: Sequence[ExperimentSpec], total: int, exec
         specs: those to run.
         total: how many there are with those that had ended before, for the progress bar.
         executor: runs them.
+        enough: is told every unit that is new; the run ends where it says yes.
 
     Returns:
-        How it ended early; None if it ran all of them.
+        How it ended early; None if it ran all of them, or enough.
 
     Raises:
         SimError: the cell cannot be set up.
@@ -70,6 +77,8 @@ def execute(folder: RunFolder, specs: Sequence[ExperimentSpec], total: int, exec
                 folder.add(place, packed, ok=ok)
                 progress.set_postfix_str(f"{spec.part} × {spec.method}", refresh=False)
                 progress.update()
+                if enough is not None and enough(Unit.from_bytes(packed, place)):
+                    return None
         except KeyboardInterrupt as interrupt:
             return Ended("interrupted", getattr(interrupt, "code", 130))
         except UsageError as error:

@@ -112,8 +112,16 @@ class RunFolder:
                 self._check({key: known.description[key]}, {key: cell.description[key]}, f" of {name}")
             known.experiments = max(known.experiments, cell.experiments)
         self.options = options
+        self._write_asked()
+
+    def content_with(self, cells: Sequence[Asked]) -> None:
+        """Goes back to what was asked for, where a run has stopped early; the units beyond stay for later."""
+        self.asked = list(cells)
+        self._write_asked()
+
+    def _write_asked(self) -> None:
         cells_asked = [{"experiments": one.experiments, "description": one.description} for one in self.asked]
-        write_json(self.path / _ASKED, {"format": FORMAT, "options": options, "cells": cells_asked})
+        write_json(self.path / _ASKED, {"format": FORMAT, "options": self.options, "cells": cells_asked})
 
     def _check(self, there: dict[str, Any], here: dict[str, Any], what: str) -> None:
         lines = differences(there, here)
@@ -193,12 +201,18 @@ class RunFolder:
                 yield unit.place, unit.failure is None, packed
 
     def _files_of(self, cell: Asked) -> list[Path]:
-        """The files of a cell's units by number; one with a result stands for one of the same name that failed."""
+        """The files of the units asked for, by number; one with a result stands for one of its name that failed."""
         folder = place(cell.description).partition("/")[0]
         failed, finished = self.path / _FAILED / folder, self.path / _UNITS / folder
         files = [*failed.glob("[0-9]*.json"), *finished.glob("[0-9]*.json.gz")]
         named = {file.name.partition(".")[0]: file for file in files if ".other-" not in file.name}
-        return [named[name] for name in sorted(named, key=lambda name: (int(name.partition("-")[0]), name))]
+        asked = [name for name in named if _number(name) < cell.experiments]
+        return [named[name] for name in sorted(asked, key=lambda name: (_number(name), name))]
+
+
+def _number(name: str) -> int:
+    """The number of the experiment in a unit's name."""
+    return int(name.partition("-")[0])
 
 
 def _read_asked(path: Path) -> tuple[list[Asked], dict[str, Any]]:
