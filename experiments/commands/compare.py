@@ -10,14 +10,22 @@ from experiments.results.provenance import config_as_json, manifest, write_json
 from experiments.results.report import LEGEND, format_table
 from experiments.setup.checks import FAILED
 from experiments.setup.experiment import ExperimentSpec
-from experiments.units.execution import Ended, execute, locally, missing
+from experiments.units.execution import Ended, Executor, execute, locally, missing
 from experiments.units.identity import describe
 from experiments.units.interruption import terminations_raised
+from experiments.units.ray_cluster import on_ray
 from experiments.units.run_folder import Asked, RunFolder
 from experiments.units.summary import Summary, caveats_of, summarise, thresholds_of
 from sim.model.conditions import Conditions
 
-_ELSEWHERE = ("jobs", "shard", "retry_failed", "overwrite", "out")  # how and where to run, which changes no result
+_ELSEWHERE = (
+    "jobs",
+    "ray",
+    "shard",
+    "retry_failed",
+    "overwrite",
+    "out",
+)  # how and where to run, which changes no result
 
 
 def compare(config: Compare) -> int:
@@ -38,10 +46,15 @@ def compare(config: Compare) -> int:
         left = missing(folder, own, retry_failed=config.retry_failed)
         if len(left) < len(own):
             print(f"{len(own) - len(left)} of {len(own)} experiments are in {folder.path} already")
-        ended = execute(folder, left, len(own), locally(config.workers)) if left else None
+        ended = execute(folder, left, len(own), executor_of(config)) if left else None
         if shares > 1:
             return _told_of_share(folder.path, config.shard, len(own), ended)
         return report(folder, ended)
+
+
+def executor_of(config: Compare) -> Executor:
+    """What runs the experiments."""
+    return locally(config.workers) if config.ray is None else on_ray(config.ray, config.workers)
 
 
 def options_of(config: Compare) -> dict[str, Any]:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from tqdm import tqdm
 
+from experiments.errors import UsageError
 from experiments.setup.experiment import ExperimentSpec
 from experiments.setup.pool import Died, completed
 from experiments.units.identity import describe
@@ -15,7 +16,8 @@ from experiments.units.unit import failed_unit, run_unit
 from sim.errors import SimError
 
 Ran = tuple[str, bool, bytes]  # a unit's place, whether it has a result, its bytes
-Executor = Callable[[Iterable[ExperimentSpec]], Generator[tuple[ExperimentSpec, Ran | Died], None, None]]
+Stream = Generator[tuple[ExperimentSpec, Ran | Died], None, None]
+Executor = Callable[[Sequence[ExperimentSpec]], Stream]
 _MOST_DEATHS = 5  # in a row: then something is wrong with the machine, not with an experiment
 
 
@@ -65,20 +67,20 @@ def execute(folder: RunFolder, specs: Sequence[ExperimentSpec], total: int, exec
                 deaths = deaths + 1 if isinstance(ran, Died) else 0
                 if deaths == _MOST_DEATHS:
                     return Ended(f"{deaths} worker processes died one after the other (out of memory?); ended", 1)
-                place, ok, packed = _died(spec) if isinstance(ran, Died) else ran
+                place, ok, packed = _died(spec, ran.times) if isinstance(ran, Died) else ran
                 folder.add(place, packed, ok=ok)
                 progress.set_postfix_str(f"{spec.part} × {spec.method}", refresh=False)
                 progress.update()
         except KeyboardInterrupt as interrupt:
             return Ended("interrupted", getattr(interrupt, "code", 130))
-        except SimError:
+        except (SimError, UsageError):
             progress.leave = False  # the error is to be the only line
             raise
     return None
 
 
-def _died(spec: ExperimentSpec) -> Ran:
-    unit = failed_unit(spec, "its worker process died twice (out of memory, or killed by what it called)")
+def _died(spec: ExperimentSpec, times: int) -> Ran:
+    unit = failed_unit(spec, f"its worker process died {times} times (out of memory, or killed by what it called)")
     return unit.place, False, unit.to_bytes()
 
 
