@@ -43,8 +43,9 @@ def on_ray(address: str, jobs: int) -> Executor:
     """
 
     def run(specs: Sequence[ExperimentSpec]) -> Stream:
+        _check_address(address)
         ray = _imported()
-        with _connected(ray, address, jobs, _modules(specs)):
+        with _connected(ray, address, jobs, modules_of(specs)):
             _check_nodes(ray)
             yield from _completed(ray, specs)
 
@@ -69,7 +70,6 @@ def _connected(ray: Any, address: str, jobs: int, modules: list[str]) -> Iterato
     """
     own = {"num_cpus": jobs, "object_store_memory": _STORE_BYTES, "include_dashboard": False}
     environment = {"env_vars": dict.fromkeys(ONE_THREAD, "1")} | ({"py_modules": modules} if modules else {})
-    _check_address(address)
     try:
         with _sigterm_kept():
             ray.init(
@@ -81,6 +81,8 @@ def _connected(ray: Any, address: str, jobs: int, modules: list[str]) -> Iterato
             )
     except (OSError, RuntimeError, ValueError, ray.exceptions.RayError) as error:
         raise UsageError(f"cannot use the Ray cluster {address}: {_told(error)}") from error
+    # Ray has no option for this: it would print on stdout, among the results, that a node is lost.
+    importlib.import_module("ray._private.worker")._worker_logs_enabled = False  # type: ignore[attr-defined]
     try:
         yield
     finally:
@@ -90,7 +92,7 @@ def _connected(ray: Any, address: str, jobs: int, modules: list[str]) -> Iterato
 def _check_address(address: str) -> None:
     """Raises UsageError unless somebody answers there, which Ray itself would wait for and then abort."""
     if address in (LOCAL, "auto"):
-        return
+        return  # for `auto`, Ray itself says at once that there is none
     host, _, port = address.rpartition(":")
     if not host or "/" in host or not port.isdecimal():
         raise UsageError(f"expected --ray local, auto, or HOST:PORT of a cluster's head node, got {address!r}")
@@ -114,7 +116,7 @@ def _sigterm_kept() -> Iterator[None]:
             signal.signal(signal.SIGTERM, before)
 
 
-def _modules(specs: Sequence[ExperimentSpec]) -> list[str]:
+def modules_of(specs: Sequence[ExperimentSpec]) -> list[str]:
     """Files and folders of the plug-ins that are not installed: they travel to the nodes."""
     names = {name for spec in specs for name in (spec.method, spec.policy, spec.estimator)}
     tops = sorted({name.partition(":")[0].partition(".")[0] for name in names if name is not None and ":" in name})
@@ -139,6 +141,8 @@ def _check_nodes(ray: Any) -> None:
         return versions()
 
     nodes = [node for node in ray.nodes() if node["Alive"] and node["Resources"].get("CPU")]
+    if not nodes:
+        raise UsageError("the Ray cluster has no cores: expected nodes that ray start has begun with some")
     on_each = [
         ray.remote(found).options(num_cpus=0, scheduling_strategy=On(node["NodeID"], soft=False)).remote()
         for node in nodes
@@ -147,6 +151,8 @@ def _check_nodes(ray: Any) -> None:
         where = f"the Ray node {node['NodeManagerAddress']} ({node['NodeManagerHostname']})"
         try:
             there = ray.get(answer)
+        except (ray.exceptions.TaskUnschedulableError, ray.exceptions.NodeDiedError):
+            continue  # it has left meanwhile
         except ray.exceptions.RayError as error:
             raise UsageError(f"{where} runs no task: {_told(error)}") from error
         if not isinstance(there, dict):
