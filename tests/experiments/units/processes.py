@@ -10,25 +10,31 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[3]
 MARK = "GRASPCELL_TEST"  # in the environment of a command and of whatever it begins
+_PRINTED = "printed.txt"
 
 
-def begun(mark: str, folder: Path, *arguments: object) -> "subprocess.Popen[str]":
-    """`graspcell` in a folder, in a session of its own; both outputs come as one."""
+def begun(mark: str, folder: Path, *arguments: object) -> "subprocess.Popen[bytes]":
+    """`graspcell` in a folder, in a session of its own; what it prints goes to a file there, see `printed`."""
     environment = {**os.environ, "PYTHONPATH": str(ROOT), MARK: mark}
     # A shell without job control starts what it puts into the background with interrupts ignored.
     previous = signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
-        return subprocess.Popen(
-            [sys.executable, "-m", "experiments.cli", *map(str, arguments)],
-            cwd=folder,
-            env=environment,
-            start_new_session=True,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            text=True,
-        )
+        with (folder / _PRINTED).open("w") as output:
+            return subprocess.Popen(
+                [sys.executable, "-m", "experiments.cli", *map(str, arguments)],
+                cwd=folder,
+                env=environment,
+                start_new_session=True,
+                stdout=output,
+                stderr=subprocess.STDOUT,
+            )
     finally:
         signal.signal(signal.SIGINT, previous)
+
+
+def printed(folder: Path) -> str:
+    """What the last command in a folder has printed."""
+    return (folder / _PRINTED).read_text(encoding="utf-8")
 
 
 def marked(mark: str) -> list[int]:

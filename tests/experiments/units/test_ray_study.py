@@ -14,7 +14,7 @@ from experiments.units.identity import versions
 from tests.experiments.command import Told, command
 from tests.experiments.comparisons import contents
 from tests.experiments.own import folder_with
-from tests.experiments.units.processes import begun, marked, wait_until
+from tests.experiments.units.processes import begun, marked, printed, wait_until
 
 EXPERIMENTS = 12
 SMALL = ("--parts", 1, "--speed", "fast", "--estimator", "oracle", "--objects", "antenna", "--methods", "none")
@@ -157,8 +157,8 @@ def test_a_signal_ends_a_cluster_of_this_machine_keeps_what_is_finished_and_leav
         os.killpg(process.pid, number)  # as a terminal does
     else:
         process.send_signal(number)
-    out, _ = process.communicate(timeout=60)
-    assert process.returncode == code
+    assert process.wait(60) == code
+    out = printed(tmp_path)
     assert "Traceback" not in out
     if code > 0:
         assert "interrupted: 500 experiments expected" in out
