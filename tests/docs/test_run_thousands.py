@@ -1,6 +1,8 @@
-"""The job scripts of docs/slurm, run by a shell that has stand-ins for the cluster's commands."""
+"""The page on large runs: its job scripts in docs/slurm, its makefile and its figures."""
 
+import json
 import os
+import re
 import shlex
 import subprocess
 from pathlib import Path
@@ -9,7 +11,9 @@ import pytest
 
 from experiments.cli import parse
 
-SCRIPTS = Path(__file__).parents[2] / "docs" / "slurm"
+ROOT = Path(__file__).parents[2]
+PAGE = (ROOT / "docs" / "run-thousands.md").read_text(encoding="utf-8")
+SCRIPTS = ROOT / "docs" / "slurm"
 SLURM = {
     "SLURM_ARRAY_TASK_ID": "7",
     "SLURM_CPUS_PER_TASK": "4",
@@ -57,3 +61,29 @@ def test_a_script_that_runs_outside_a_job_says_which_variable_is_missing(script:
     run = subprocess.run(["bash", SCRIPTS / script], env={"PATH": os.environ["PATH"]}, capture_output=True, check=False)
     assert run.returncode != 0
     assert b"SLURM_" in run.stderr
+
+
+def test_the_makefile_of_the_page_runs_every_shard_and_joins_them(tmp_path: Path) -> None:
+    (code,) = re.findall(r"^```make\n(.*?)^```$", PAGE, re.MULTILINE | re.DOTALL)
+    (tmp_path / "shards.mk").write_text(code)
+    make = subprocess.run(["make", "-nf", "shards.mk"], cwd=tmp_path, capture_output=True, text=True, check=True)
+    *shards, joined = [shlex.split(line.partition(" && ")[0]) for line in make.stdout.splitlines()]
+    configs = [parse(arguments) for _, *arguments in shards]
+    assert sorted(config.share for config in configs) == [(number, 20) for number in range(1, 21)]
+    assert parse(joined[1:]).folders == tuple(Path(f"out/shard-{number}") for number in range(1, 21))
+    assert {config.out for config in configs} == set(parse(joined[1:]).folders)
+
+
+def test_the_commands_for_a_cluster_are_understood() -> None:
+    commands = re.findall(r"^head\$ +graspcell (.*)$", PAGE, re.MULTILINE)
+    assert [parse(shlex.split(command)).ray for command in commands] == ["head:6379"]
+
+
+@pytest.mark.parametrize(("file", "count"), [("driver_memory", 4), ("driver_memory_ray", 2)])
+def test_the_figures_of_the_page_are_those_of_the_committed_benchmark(file: str, count: int) -> None:
+    rows = json.loads((ROOT / "benchmarks" / "results" / f"{file}.json").read_text(encoding="utf-8"))["rows"]
+    assert len(rows) == count
+    for row in rows:
+        memory = row["peak_mb"] - row["peak_mb_before"]
+        shown = f"| {row['experiments']:,} | {memory:.0f} MB | {row['seconds']} s | {row['again_seconds']} s |"
+        assert shown in PAGE
