@@ -29,9 +29,9 @@ thresholds: $(COMPILED)
 goldens: $(COMPILED)
 	$(BIN)/python -m tests.goldens
 
-# Measured trials of minutes: not part of `make test`. Those of learning need stable-baselines3 and torch.
+# Measured trials of minutes: not part of `make test`. Those of learning need torch, those of clusters Ray.
 study: $(COMPILED) opengl
-	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[dev,learn]'
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[dev,learn,ray]'
 	$(BIN)/python -m pytest -m study
 
 # The picture in the README.

@@ -17,6 +17,7 @@ from experiments.setup.experiment import ExperimentSpec
 from experiments.units.execution import Ended, Executor, execute, locally, missing
 from experiments.units.identity import describe
 from experiments.units.interruption import terminations_raised
+from experiments.units.ray_cluster import on_ray
 from experiments.units.run_folder import Asked, RunFolder
 from experiments.units.stopping import Stopping
 from experiments.units.summary import Summary, caveats_of, counted_of, summarise, thresholds_of
@@ -24,12 +25,11 @@ from sim.model.conditions import Conditions
 
 _ELSEWHERE = (
     "jobs",
+    "ray",
     "shard",
     "retry_failed",
     "overwrite",
     "out",
-    "until",
-    "experiments",
 )  # how and where to run, which changes no result
 
 
@@ -55,7 +55,7 @@ def compare(config: Compare) -> int:
         left = missing(folder, own, retry_failed=config.retry_failed)
         if len(left) < len(own):
             print(f"{len(own) - len(left)} of {len(own)} experiments are in {folder.path} already")
-        ended = _run(folder, left, len(own), locally(config.workers), stopping)
+        ended = _run(folder, left, len(own), executor_of(config), stopping)
         if shares > 1:
             return _told_of_share(folder.path, config.shard, len(own), ended)
         if stopping is not None and ended is None:
@@ -90,6 +90,11 @@ def _stop(folder: RunFolder, before: Sequence[Asked], stopping: Stopping) -> Non
             for cell in folder.asked
         ]
     )
+
+
+def executor_of(config: Compare) -> Executor:
+    """What runs the experiments."""
+    return locally(config.workers) if config.ray is None else on_ray(config.ray, config.workers)
 
 
 def options_of(config: Compare) -> dict[str, Any]:

@@ -107,6 +107,9 @@ class Compare(CellOptions):
     where each of them is answered, yes or no, which errs in 5 percent of runs at most."""
     jobs: int = 0
     """Processes to run experiments in; 0 takes one per core. The results do not depend on it."""
+    ray: str | None = None
+    """Run the experiments on a Ray cluster: local starts one on this machine with --jobs cores; auto joins the one that
+    runs here; HOST:PORT the one whose head node is there."""
     shard: str | None = None
     """I/N: run the I-th of N shares of the experiments, to be joined by graspcell merge."""
     retry_failed: bool = False

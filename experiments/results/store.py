@@ -11,6 +11,7 @@ import pyarrow.parquet as pq
 from experiments.results.files import Aside
 
 _ROWS_AT_ONCE = 10_000  # of a table: thousands of experiments then make few row groups, and memory stays flat
+_TABLES_AT_ONCE = 200  # that wait for it, before they are joined: each takes some 10 kB, however few its rows
 
 Row = Mapping[str, Any]
 Tables = Mapping[str, Iterable[Row]]
@@ -153,6 +154,8 @@ class LogWriter:
         for name, rows in tables.items():
             waiting = self._waiting[name]
             waiting.append(pa.Table.from_pylist(list(rows), schema=SCHEMAS[name]))
+            if len(waiting) >= _TABLES_AT_ONCE:
+                waiting[:] = [pa.concat_tables(waiting).combine_chunks()]
             if sum(map(len, waiting)) >= _ROWS_AT_ONCE:
                 self._write(name)
 

@@ -37,7 +37,9 @@ Run = Callable[[Callable[[Any], Any], Sequence[Any]], Iterator[Any]]  # of a job
 
 @dataclass(frozen=True, slots=True)
 class Died:
-    """In place of a result: the worker process of a task died, twice, the second time with this task alone."""
+    """In place of a result: the worker process of a task died, so many times; the last time with this task alone."""
+
+    times: int = 2
 
 
 def completed(
@@ -108,7 +110,7 @@ def workers(jobs: int) -> Iterator[Run]:
         yield run
 
 
-_ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
+ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 
 
 @contextmanager
@@ -117,7 +119,7 @@ def _pool(jobs: int) -> Iterator[ProcessPoolExecutor]:
 
     One thread each: the workers themselves fill the cores. Spawned, because OpenGL does not survive a fork.
     """
-    for name in _ONE_THREAD:
+    for name in ONE_THREAD:
         os.environ.setdefault(name, "1")
     before = set(multiprocessing.active_children())
     pool = ProcessPoolExecutor(jobs, multiprocessing.get_context("spawn"), initializer=_end_with_parent)

@@ -16,7 +16,8 @@ from experiments.units.unit import Unit, failed_unit, run_unit
 from sim.errors import SimError
 
 Ran = tuple[str, bool, bytes]  # a unit's place, whether it has a result, its bytes
-Executor = Callable[[Iterable[ExperimentSpec]], Generator[tuple[ExperimentSpec, Ran | Died], None, None]]
+Stream = Generator[tuple[ExperimentSpec, Ran | Died], None, None]
+Executor = Callable[[Sequence[ExperimentSpec]], Stream]
 _MOST_DEATHS = 5  # in a row: then something is wrong with the machine, not with an experiment
 
 
@@ -73,27 +74,29 @@ def execute(
                 deaths = deaths + 1 if isinstance(ran, Died) else 0
                 if deaths == _MOST_DEATHS:
                     return Ended(f"{deaths} worker processes died one after the other (out of memory?); ended", 1)
-                place, ok, packed = _died(spec) if isinstance(ran, Died) else ran
-                folder.add(place, packed, ok=ok)
+                place, ok, packed = _died(spec, ran.times) if isinstance(ran, Died) else ran
+                _add(folder, place, packed, ok=ok, kept=f"{progress.n} of {total}")
                 progress.set_postfix_str(f"{spec.part} × {spec.method}", refresh=False)
                 progress.update()
                 if enough is not None and enough(Unit.from_bytes(packed, place)):
                     return None
         except KeyboardInterrupt as interrupt:
             return Ended("interrupted", getattr(interrupt, "code", 130))
-        except UsageError as error:
+        except (SimError, UsageError):
             progress.leave = False  # the error is to be the only line
-            raise UsageError(
-                f"{error}; {progress.n} of {total} experiments are kept, and the same command goes on"
-            ) from error
-        except SimError:
-            progress.leave = False
             raise
     return None
 
 
-def _died(spec: ExperimentSpec) -> Ran:
-    unit = failed_unit(spec, "its worker process died twice (out of memory, or killed by what it called)")
+def _add(folder: RunFolder, place: str, packed: bytes, *, ok: bool, kept: str) -> None:
+    try:
+        folder.add(place, packed, ok=ok)
+    except UsageError as error:
+        raise UsageError(f"{error}; {kept} experiments are kept, and the same command goes on") from error
+
+
+def _died(spec: ExperimentSpec, times: int) -> Ran:
+    unit = failed_unit(spec, f"its worker process died {times} times (out of memory, or killed by what it called)")
     return unit.place, False, unit.to_bytes()
 
 

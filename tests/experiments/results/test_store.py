@@ -85,6 +85,15 @@ def test_rows_come_back_as_they_were_written(tmp_path: Path) -> None:
         assert read(tmp_path, name) == rows(3)[name] + rows(4)[name]
 
 
+def test_rows_of_many_experiments_come_back_in_their_order_as_one_row_group(tmp_path: Path) -> None:
+    with LogWriter(tmp_path) as log:
+        for experiment in range(450):  # more than wait side by side before they are joined, twice
+            log.write(rows(experiment))
+    for name in SCHEMAS:
+        assert [row["experiment"] for row in read(tmp_path, name)] == list(range(450))
+        assert pq.ParquetFile(tmp_path / f"{name}.parquet").num_row_groups == 1
+
+
 def test_what_a_row_leaves_out_is_null(tmp_path: Path) -> None:
     with LogWriter(tmp_path) as logs:
         logs.write({**{name: [] for name in SCHEMAS}, "experiments": [{**KEY, "failure": "no light"}]})
