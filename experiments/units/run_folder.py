@@ -2,6 +2,7 @@
 
 import contextlib
 import fcntl
+import hashlib
 import json
 import os
 import shutil
@@ -19,7 +20,7 @@ from experiments.units.identity import Description, differences
 from experiments.units.unit import Unit, content_digest, place, unpacked
 
 FORMAT = 1
-_ASKED, _LOCK, _UNITS, _FAILED = "run.json", ".lock", "units", "failed"
+ASKED, _LOCK, _UNITS, _FAILED = "run.json", ".lock", "units", "failed"
 _WRITTEN = (
     "table.json",
     "table.csv",
@@ -72,7 +73,7 @@ class RunFolder:
             folder = cls(path, *_read_asked(path))
             if not folder.asked and any((path / name).exists() for name in _WRITTEN):
                 raise UsageError(
-                    f"{path} holds results without {_ASKED}, as version 0.2.0 and `run --out` write them: expected "
+                    f"{path} holds results without {ASKED}, as version 0.2.0 and `run --out` write them: expected "
                     "another --out, or --overwrite"
                 )
             _sweep(path)
@@ -87,7 +88,7 @@ class RunFolder:
         """
         asked, options = _read_asked(path)
         if not asked:
-            raise UsageError(f"{path}: expected the folder of a run, as compare writes it, with {_ASKED}")
+            raise UsageError(f"{path}: expected the folder of a run, as compare writes it, with {ASKED}")
         return cls(path, asked, options)
 
     def ask(self, cells: Sequence[Asked], options: dict[str, Any]) -> None:
@@ -113,7 +114,7 @@ class RunFolder:
             known.experiments = max(known.experiments, cell.experiments)
         self.options = options
         cells_asked = [{"experiments": one.experiments, "description": one.description} for one in self.asked]
-        write_json(self.path / _ASKED, {"format": FORMAT, "options": options, "cells": cells_asked})
+        write_json(self.path / ASKED, {"format": FORMAT, "options": options, "cells": cells_asked})
 
     def _check(self, there: dict[str, Any], here: dict[str, Any], what: str) -> None:
         lines = differences(there, here)
@@ -179,6 +180,17 @@ class RunFolder:
                 if unit.description["of"] == cell.of:
                     yield unit
 
+    def units_digest(self) -> str:
+        """Says which units there are: equal for folders with equal units, whatever made them.
+
+        A unit with a result is known by its name; one that failed, by its content too.
+        """
+        total = hashlib.sha256()
+        for file in (file for cell in self.asked for file in self._files_of(cell)):
+            failure = content_digest(file.read_bytes()) if file.parts[-3] == _FAILED else ""
+            total.update(f"{file.parent.name}/{file.name} {failure}\n".encode())
+        return total.hexdigest()[:16]
+
     def files(self) -> Iterator[tuple[str, bool, bytes]]:
         """Of every unit its place, whether it has a result, and its bytes.
 
@@ -201,7 +213,7 @@ class RunFolder:
 
 
 def _read_asked(path: Path) -> tuple[list[Asked], dict[str, Any]]:
-    file = path / _ASKED
+    file = path / ASKED
     if not file.is_file():
         return [], {}
     try:
@@ -241,7 +253,7 @@ def _locked(path: Path) -> Iterator[None]:
 
 def _empty(path: Path) -> None:
     """Removes what runs write, and nothing else. What was asked for goes first: what is left then means nothing."""
-    for name in (_ASKED, *_WRITTEN):
+    for name in (ASKED, *_WRITTEN):
         (path / name).unlink(missing_ok=True)
     for name in (_UNITS, _FAILED):
         shutil.rmtree(path / name, ignore_errors=True)
