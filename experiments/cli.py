@@ -27,6 +27,7 @@ from experiments.commands.uq import Uq
 from experiments.dataset.config import Dataset
 from experiments.dataset.rules import Rules
 from experiments.errors import UsageError
+from experiments.exporting.config import Export
 from experiments.failure import explained
 from experiments.prediction.config import FitGap, Predict
 from experiments.reading.config import Query
@@ -58,6 +59,7 @@ COMMANDS = {
     "compare": Command(Compare, "experiments.commands.compare:compare"),
     "merge": Command(Merge, "experiments.commands.merge:merge"),
     "query": Command(Query, "experiments.reading.query:query", engine=False),
+    "export": Command(Export, "experiments.exporting.command:export"),
     "run": Command(Run, "experiments.commands.run:run"),
     "picture": Command(Picture, "experiments.commands.picture:picture"),
     "tolerance": Command(Tolerance, "experiments.commands.tolerance:tolerance"),

@@ -7,7 +7,7 @@ import json
 import os
 import shutil
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any, Self
 
@@ -38,10 +38,12 @@ class Asked:
     Attributes:
         description: of its experiment 0; the others differ in number and noise alone.
         experiments: how many were asked for.
+        options: of the command that asked last, as JSON has them, without those that change no result.
     """
 
     description: Description
     experiments: int
+    options: dict[str, Any] = field(default_factory=dict)
 
     @property
     def of(self) -> dict[str, str]:
@@ -96,12 +98,13 @@ class RunFolder:
 
         Args:
             cells: what is asked for.
-            options: of the command, as JSON has them, without those that change no result.
+            options: of the command, see `Asked`; those of cells without any of their own.
 
         Raises:
             UsageError: the folder's experiments are of another kind; the message says what differs.
         """
         for cell in cells:
+            cell.options = cell.options or options
             if self.asked:
                 self._check(self.asked[0].description["common"], cell.description["common"], "")
             known = next((one for one in self.asked if one.of == cell.of), None)
@@ -111,9 +114,9 @@ class RunFolder:
             for key in ("cell", "noise"):
                 name = " × ".join(cell.of.values())
                 self._check({key: known.description[key]}, {key: cell.description[key]}, f" of {name}")
-            known.experiments = max(known.experiments, cell.experiments)
+            known.experiments, known.options = max(known.experiments, cell.experiments), cell.options
         self.options = options
-        cells_asked = [{"experiments": one.experiments, "description": one.description} for one in self.asked]
+        cells_asked = [asdict(one) for one in self.asked]
         write_json(self.path / ASKED, {"format": FORMAT, "options": options, "cells": cells_asked})
 
     def _check(self, there: dict[str, Any], here: dict[str, Any], what: str) -> None:
@@ -220,7 +223,7 @@ def _read_asked(path: Path) -> tuple[list[Asked], dict[str, Any]]:
         content = json.loads(file.read_text(encoding="utf-8"))
         if content["format"] != FORMAT:
             raise UsageError(f"{file}: expected format {FORMAT}, got {content['format']}")
-        return [Asked(one["description"], int(one["experiments"])) for one in content["cells"]], content["options"]
+        return [Asked(**one) for one in content["cells"]], content["options"]
     except (OSError, ValueError, KeyError, TypeError) as error:
         if isinstance(error, UsageError):
             raise

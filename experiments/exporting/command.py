@@ -1,0 +1,35 @@
+"""`graspcell export`: a run in a format of others."""
+
+from collections.abc import Iterator
+
+from tqdm import tqdm
+
+from experiments.exporting.bop import export_bop
+from experiments.exporting.config import Export
+from experiments.reading.resimulation import Choice, finished
+from experiments.results.provenance import manifest, write_json
+from experiments.setup.experiment import ExperimentSpec
+from experiments.units.run_folder import RunFolder
+from experiments.units.unit import Unit
+
+
+def export(config: Export) -> int:
+    """Simulates the experiments again and writes the dataset; returns the exit code.
+
+    Raises:
+        UsageError: an invalid argument, a folder without a run, or an experiment that does not come to the same again.
+        GraphicsError: pictures are asked for without OpenGL.
+    """
+    run = RunFolder.read(config.run)
+    choice = Choice(config.objects, config.methods, config.policies, config.experiments)
+    specs, pairs = finished(run, choice)
+    out = config.out
+    told = export_bop(out, specs, _shown(pairs, len(specs)), rgb=config.rgb, depth=config.depth)
+    write_json(out / "manifest.json", manifest(config))
+    print(f"{told} in {out}")
+    return 0
+
+
+def _shown(pairs: Iterator[tuple[ExperimentSpec, Unit]], total: int) -> Iterator[tuple[ExperimentSpec, Unit]]:
+    """The same, with a progress bar."""
+    return iter(tqdm(pairs, total=total, unit="experiment", dynamic_ncols=True))
