@@ -6,6 +6,7 @@ from tqdm import tqdm
 
 from experiments.exporting.bop import export_bop
 from experiments.exporting.config import Export
+from experiments.exporting.lerobot import export_lerobot
 from experiments.reading.resimulation import Choice, finished
 from experiments.results.provenance import manifest, write_json
 from experiments.setup.experiment import ExperimentSpec
@@ -24,7 +25,11 @@ def export(config: Export) -> int:
     choice = Choice(config.objects, config.methods, config.policies, config.experiments)
     specs, pairs = finished(run, choice)
     out = config.out
-    told = export_bop(out, specs, _shown(pairs, len(specs)), rgb=config.rgb, depth=config.depth)
+    shown = _shown(pairs, len(specs))
+    if config.bop is not None:
+        told = export_bop(out, specs, shown, rgb=config.rgb, depth=config.depth)
+    else:
+        told = export_lerobot(out, shown, fps=config.fps, rgb=config.rgb)
     write_json(out / "manifest.json", manifest(config))
     print(f"{told} in {out}")
     return 0

@@ -36,7 +36,7 @@ class Export:
     """Write the wrist camera's pictures too, for LeRobot those of the overview as well; needs OpenGL."""
     depth: bool = False
     """For --bop, write depth images too; needs OpenGL."""
-    fps: int = 25
+    fps: int = 10
     """For --lerobot, frames per second of the cell's clock: a divisor of 500."""
 
     @property
