@@ -74,7 +74,8 @@ def _add_experiment(files: LeRobotFiles, number: int, spec: ExperimentSpec, unit
         motion = stack.enter_context(sampled(world, files.fps, see))
         resimulate(spec, unit)
     files.begin(number)
-    of, goals, first = unit.description["of"], motion.goals(), 0
+    goals, first = motion.goals(), 0
+    of = {name: unit.description["of"][name] for name in ("object", "method", "policy")}
     for slot, interval in zip(slots, intervals, strict=True):
         chosen = motion.within(interval)
         if not len(chosen):
@@ -84,12 +85,7 @@ def _add_experiment(files: LeRobotFiles, number: int, spec: ExperimentSpec, unit
             _numbers(motion, goals, chosen, placed=slot["outcome"] == "placed"),
             {camera: seen.of(camera, frames) for camera in seen.count},
             f"pick one {of['object']} from the belt and place it in the container",
-            {
-                **{name: of[name] for name in ("object", "method", "policy")},
-                "experiment": spec.experiment,
-                "slot": slot["slot"],
-                "outcome": slot["outcome"],
-            },
+            {**of, "experiment": spec.experiment, "slot": slot["slot"], "outcome": slot["outcome"]},
         )
     files.end()
 

@@ -4,6 +4,7 @@ import json
 from pathlib import Path
 from typing import Any
 
+import av
 import numpy as np
 import pandas as pd
 import pyarrow.parquet as pq
@@ -11,7 +12,7 @@ import pytest
 
 from experiments import load
 from experiments.cli import main
-from experiments.exporting.lerobot_files import CAMERAS, LeRobotFiles
+from experiments.exporting.lerobot_files import CAMERAS, SIZE, LeRobotFiles
 
 FPS = 50
 Row = dict[str, Any]
@@ -105,6 +106,21 @@ def test_pandas_reads_the_tasks_as_the_index_of_their_table(folder: Path) -> Non
     tasks = pd.read_parquet(folder / "meta" / "tasks.parquet")
     assert list(tasks.index) == ["pick one handle from the belt and place it in the container"]
     assert tasks["task_index"].tolist() == [0]
+
+
+def test_videos_have_a_picture_for_each_frame(small_run: Path, tmp_path: Path) -> None:
+    one = ["--methods", "none", "--experiments", "1", "--fps", "1", "--rgb"]
+    with pytest.raises(SystemExit) as end:
+        main(["export", str(small_run), "--lerobot", str(tmp_path / "out"), *one])
+    assert end.value.code == 0
+    for key in CAMERAS.values():
+        with av.open(str(tmp_path / "out" / "videos" / key / "chunk-000" / "file-000.mp4")) as container:
+            pictures = [frame.to_ndarray(format="rgb24").astype(float) for frame in container.decode(video=0)]
+        assert len(pictures) == len(frames(tmp_path / "out")) > 5
+        assert pictures[0].shape == (SIZE[1], SIZE[0], 3)
+        assert np.abs(pictures[3] - pictures[0]).mean() > 0.5  # the arm has moved
+    rows = episodes(tmp_path / "out")
+    assert rows[0]["videos/observation.images.wrist/to_timestamp"] == rows[0]["length"]
 
 
 def test_videos_of_an_episode_lie_where_its_row_says(tmp_path: Path) -> None:
