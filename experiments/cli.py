@@ -27,12 +27,15 @@ from experiments.commands.uq import Uq
 from experiments.dataset.config import Dataset
 from experiments.dataset.rules import Rules
 from experiments.errors import UsageError
+from experiments.exporting.config import Export
 from experiments.failure import explained
 from experiments.prediction.config import FitGap, Predict
+from experiments.reading.config import Query
 from experiments.rendering.config import RenderDataset
 from experiments.setup.actors import Actors
 from sim.model.conditions import Conditions
 
+_CLOSED_PIPE = 141  # the exit code that shells give a program that SIGPIPE ends
 _USAGE = "Argument help"  # what tyro's explanation of an option begins with
 _ASIDES = ("For full", _USAGE, "Perhaps you meant")  # they fill a screen, not a line
 _PLACE = re.compile(r"^Error parsing (?!--)\S+: ")  # tyro's, before the message of a record that refuses a value
@@ -55,6 +58,8 @@ class Command(NamedTuple):
 COMMANDS = {
     "compare": Command(Compare, "experiments.commands.compare:compare"),
     "merge": Command(Merge, "experiments.commands.merge:merge"),
+    "query": Command(Query, "experiments.reading.query:query", engine=False),
+    "export": Command(Export, "experiments.exporting.command:export"),
     "run": Command(Run, "experiments.commands.run:run"),
     "picture": Command(Picture, "experiments.commands.picture:picture"),
     "tolerance": Command(Tolerance, "experiments.commands.tolerance:tolerance"),
@@ -77,6 +82,10 @@ def main(arguments: Sequence[str] | None = None) -> None:
     given = [argument for argument in typed if argument != "--debug"]
     try:
         code = _run(given)
+        sys.stdout.flush()
+    except BrokenPipeError:  # who read the output has seen enough, as `head` has
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # for what Python still has to write at its end
+        code = _CLOSED_PIPE
     except (Exception, KeyboardInterrupt) as error:
         code = _failed(error, debug=given != typed)
     sys.exit(code)

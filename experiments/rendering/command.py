@@ -12,7 +12,7 @@ from tqdm import tqdm
 
 from cell.layout import default_camera
 from experiments.rendering.config import IMAGES_PER_SCENE, RenderDataset
-from experiments.rendering.files import Labels, targets, write_model, write_picture, write_scene
+from experiments.rendering.files import OBJECT, Labels, targets, write_models, write_picture, write_scene
 from experiments.results.provenance import manifest, write_json
 from experiments.setup.pool import run_all
 from maskval import bop
@@ -45,7 +45,7 @@ def render_dataset(config: RenderDataset) -> int:
         UsageError: an invalid argument.
     """
     config.check()
-    write_model(config.out, load_part(config.object).part.mesh, default_camera())
+    write_models(config.out, {OBJECT: load_part(config.object).part.mesh}, default_camera())
     asked: list[bop.EvaluationTarget] = []
     try:
         for scene_id, labels in _scenes(config):

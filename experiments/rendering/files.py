@@ -13,6 +13,7 @@ from maskval import Camera, Mesh, bop, silhouette, silhouette_boxes
 from maskval.symmetry import right_angle_symmetries
 from sim.images.pictures import LabelledPicture
 from sim.instance_ids import PIXEL_CENTER
+from sim.networks.ground_truth import FrameTruth
 
 OBJECT = 1  # the part's number in the dataset
 DEPTH_SCALE = 0.1  # mm for each step of the depth images, which then reach 6.5 m: farther than a room's corner
@@ -28,11 +29,13 @@ class Labels:
     infos: list[bop.GroundTruthInfo]
 
 
-def write_model(folder: Path, mesh: Mesh, camera: Camera) -> None:
-    """Writes `models/` and `camera.json`."""
-    bop.write_model(folder / "models" / f"obj_{OBJECT:06d}.ply", mesh)
-    info = bop.ModelInfo(mesh.diameter, right_angle_symmetries(mesh))
-    bop.write_models_info(folder / "models" / "models_info.json", {OBJECT: (mesh, info)})
+def write_models(folder: Path, meshes: Mapping[int, Mesh], camera: Camera) -> None:
+    """Writes `models/`, with a mesh for each number of an object, and `camera.json`."""
+    infos = {}
+    for number, mesh in meshes.items():
+        bop.write_model(folder / "models" / f"obj_{number:06d}.ply", mesh)
+        infos[number] = mesh, bop.ModelInfo(mesh.diameter, right_angle_symmetries(mesh))
+    bop.write_models_info(folder / "models" / "models_info.json", infos)
     intrinsics = {name: getattr(camera, name) for name in ("cx", "cy", "fx", "fy", "height", "width")}
     write_json(folder / "camera.json", {**intrinsics, "depth_scale": DEPTH_SCALE})
 
@@ -49,20 +52,51 @@ def write_picture(scene: Path, im_id: int, picture: LabelledPicture, rgb_format:
     Raises:
         OSError: an image could not be written.
     """
-    rgb, truth = scene / "rgb" / f"{im_id:06d}.{rgb_format}", picture.truth
-    if not cv2.imwrite(str(rgb), cv2.cvtColor(picture.rgb, cv2.COLOR_RGB2BGR)):
-        raise OSError(f"{rgb} could not be written")
+    write_rgb(scene / "rgb" / f"{im_id:06d}.{rgb_format}", picture.rgb)
     bop.write_depth(scene / "depth" / f"{im_id:06d}.png", picture.depth, DEPTH_SCALE)
+    camera = bop.ImageCamera(picture.truth.camera.K, DEPTH_SCALE, picture.X_CW)
+    return Labels(camera, *write_parts(scene, im_id, picture.truth, measured=picture.depth > 0))
+
+
+def write_rgb(path: Path, rgb: NDArray[np.uint8]) -> None:
+    """Writes a picture in the format of the path's ending; its folder exists.
+
+    Raises:
+        OSError: it could not be written.
+    """
+    if not cv2.imwrite(str(path), cv2.cvtColor(rgb, cv2.COLOR_RGB2BGR)):
+        raise OSError(f"{path} could not be written")
+
+
+def write_parts(
+    scene: Path,
+    im_id: int,
+    truth: FrameTruth,
+    parts: Sequence[int] | None = None,
+    *,
+    number: int = OBJECT,
+    measured: NDArray[np.bool_],
+) -> tuple[list[bop.GroundTruth], list[bop.GroundTruthInfo]]:
+    """Writes the masks of parts; returns what the scene's JSON files say of them.
+
+    Args:
+        scene: Folder of the scene.
+        im_id: The picture's number in it.
+        truth: What the picture shows.
+        parts: Those to write; all by default.
+        number: Of the object in the dataset.
+        measured: Where depth was measured, (H, W).
+    """
+    chosen = range(len(truth.X_CO_true)) if parts is None else parts
     boxes = silhouette_boxes(truth.mesh, truth.X_CO_true, truth.camera, pixel_center=PIXEL_CENTER)
     infos = []
-    for part, X_CO in enumerate(truth.X_CO_true):
-        whole = silhouette(truth.mesh, X_CO, truth.camera, pixel_center=PIXEL_CENTER)
+    for place, part in enumerate(chosen):
+        whole = silhouette(truth.mesh, truth.X_CO_true[part], truth.camera, pixel_center=PIXEL_CENTER)
         visible = truth.mask(part) & whole.mask
-        bop.write_mask(bop.mask_path(scene, im_id, part, visible=False), whole.mask)
-        bop.write_mask(bop.mask_path(scene, im_id, part), visible)
-        infos.append(_info(whole.area_px, boxes[part], visible, whole.mask & (picture.depth > 0)))
-    camera = bop.ImageCamera(truth.camera.K, DEPTH_SCALE, picture.X_CW)
-    return Labels(camera, [bop.GroundTruth(OBJECT, X_CO) for X_CO in truth.X_CO_true], infos)
+        bop.write_mask(bop.mask_path(scene, im_id, place, visible=False), whole.mask)
+        bop.write_mask(bop.mask_path(scene, im_id, place), visible)
+        infos.append(_info(whole.area_px, boxes[part], visible, whole.mask & measured))
+    return [bop.GroundTruth(number, truth.X_CO_true[part]) for part in chosen], infos
 
 
 def write_scene(scene: Path, labels: Mapping[int, Labels]) -> None:
@@ -72,10 +106,19 @@ def write_scene(scene: Path, labels: Mapping[int, Labels]) -> None:
     bop.write_scene_gt_info(scene / "scene_gt_info.json", {im_id: one.infos for im_id, one in labels.items()})
 
 
-def targets(scene_id: int, labels: Mapping[int, Labels], least: float = 0.1) -> list[bop.EvaluationTarget]:
-    """What an evaluation asks for: the parts of which at least this share is visible (BOP: 0.1), by picture."""
+def targets(
+    scene_id: int, labels: Mapping[int, Labels], least: float = 0.1, number: int = OBJECT
+) -> list[bop.EvaluationTarget]:
+    """What an evaluation asks for: the parts of which at least this share is visible (BOP: 0.1), by picture.
+
+    Args:
+        scene_id: The scene.
+        labels: Of its pictures.
+        least: Visible share.
+        number: Of the object that the scene shows.
+    """
     counts = {im_id: sum(info.visib_fract >= least for info in one.infos) for im_id, one in labels.items()}
-    return [bop.EvaluationTarget(scene_id, im_id, OBJECT, count) for im_id, count in counts.items() if count]
+    return [bop.EvaluationTarget(scene_id, im_id, number, count) for im_id, count in counts.items() if count]
 
 
 def _info(

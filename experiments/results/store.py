@@ -1,6 +1,7 @@
 """The logs: typed Parquet tables with units, one row per frame, estimate, decision, attempt, slot and experiment."""
 
 from collections.abc import Iterable, Mapping
+from importlib.metadata import version
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
@@ -10,6 +11,8 @@ import pyarrow.parquet as pq
 
 from experiments.results.files import Aside
 
+SCHEMA = 1  # the version of the columns; it counts up with every change of them
+UNITS = b"units"  # the key of the tables' metadata that says which units they were made from
 _ROWS_AT_ONCE = 10_000  # of a table: thousands of experiments then make few row groups, and memory stays flat
 _TABLES_AT_ONCE = 200  # that wait for it, before they are joined: each takes some 10 kB, however few its rows
 
@@ -121,7 +124,10 @@ _COLUMNS: dict[str, tuple[tuple[str, pa.DataType, str], ...]] = {
 }
 
 SCHEMAS = {
-    name: pa.schema([pa.field(column, kind, metadata={"meaning": meaning}) for column, kind, meaning in columns])
+    name: pa.schema(
+        [pa.field(column, kind, metadata={"meaning": meaning}) for column, kind, meaning in columns],
+        metadata={"graspcell": version("graspcell"), "schema": str(SCHEMA)},
+    )
     for name, columns in _COLUMNS.items()
 }
 
@@ -130,12 +136,17 @@ class LogWriter:
     """Writes one Parquet file per table into a folder; a context manager, so that what was written is always whole.
 
     The files grow aside and take their names at the end; an error before the first row leaves earlier logs untouched.
+
+    Args:
+        folder: where they go.
+        units: which units they are made from, as the tables' metadata are to say; None if from none.
     """
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, units: str | None = None) -> None:
+        made_from = {} if units is None else {UNITS: units.encode()}
         self._asides = [Aside(folder / f"{name}.parquet") for name in SCHEMAS]
         self._writers = {
-            name: pq.ParquetWriter(aside.file, schema)
+            name: pq.ParquetWriter(aside.file, schema.with_metadata({**schema.metadata, **made_from}))
             for aside, (name, schema) in zip(self._asides, SCHEMAS.items(), strict=True)
         }
         self._empty = True

@@ -1,5 +1,7 @@
 """What decides an experiment's result, spelled out, and the name that follows from it."""
 
+# ruff: noqa: PLC0415  # the engine is loaded to describe an experiment: reading units does not wait for it
+
 import hashlib
 import json
 import tomllib
@@ -10,13 +12,10 @@ from importlib import import_module
 from importlib.metadata import version
 from importlib.resources import files
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from experiments.setup.experiment import ExperimentSpec
-from experiments.setup.methods import known_method
-from experiments.setup.policies import policy_name
-from policies import ThresholdPolicy
-from sim.model.parts import load_part
+if TYPE_CHECKING:
+    from experiments.setup.experiment import ExperimentSpec
 
 LIBRARIES = ("mujoco", "numpy", "numba", "scipy", "opencv-python-headless", "ruckig", "trimesh")
 _ROOT = Path(__file__).parents[2]
@@ -25,12 +24,17 @@ _DECIDING = ("maskval", "cell", "sim", "policies", "experiments/setup", "experim
 Description = dict[str, Any]
 
 
-def describe(spec: ExperimentSpec) -> Description:
+def describe(spec: "ExperimentSpec") -> Description:
     """Everything that decides the experiment's result, as JSON has it: names, numbers and digests of files.
 
     `of` is what a cell of the table is about, `cell` what belongs to that cell alone, `common` what every experiment
     of one comparison shares, `experiment` its number, and `noise` its error model.
     """
+    from experiments.setup.methods import known_method
+    from experiments.setup.policies import policy_name
+    from policies import ThresholdPolicy
+    from sim.model.parts import load_part
+
     part = load_part(spec.part).part
     own = known_method(spec.method, part, spec.thresholds).policy
     u_grasp = own.u_grasp if isinstance(own, ThresholdPolicy) else None
@@ -108,6 +112,8 @@ def versions() -> dict[str, str]:
 @cache
 def part_digest(part: str) -> str:
     """A digest of the files that a part is made from: its TOML file, its meshes and its error model."""
+    from sim.model.parts import load_part
+
     own = part.endswith(".toml")
     text = (Path(part) if own else files("sim") / "assets" / "parts" / f"{part}.toml").read_bytes()
     mesh = tomllib.loads(text.decode("utf-8"))["mesh"]

@@ -2,11 +2,12 @@
 
 import contextlib
 import fcntl
+import hashlib
 import json
 import os
 import shutil
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any, Self
 
@@ -19,7 +20,7 @@ from experiments.units.identity import Description, differences
 from experiments.units.unit import Unit, content_digest, place, unpacked
 
 FORMAT = 1
-_ASKED, _LOCK, _UNITS, _FAILED = "run.json", ".lock", "units", "failed"
+ASKED, _LOCK, _UNITS, _FAILED = "run.json", ".lock", "units", "failed"
 _WRITTEN = (
     "table.json",
     "table.csv",
@@ -37,10 +38,12 @@ class Asked:
     Attributes:
         description: of its experiment 0; the others differ in number and noise alone.
         experiments: how many were asked for.
+        options: of the command that asked last, as JSON has them, without those that change no result.
     """
 
     description: Description
     experiments: int
+    options: dict[str, Any] = field(default_factory=dict)
 
     @property
     def of(self) -> dict[str, str]:
@@ -72,7 +75,7 @@ class RunFolder:
             folder = cls(path, *_read_asked(path))
             if not folder.asked and any((path / name).exists() for name in _WRITTEN):
                 raise UsageError(
-                    f"{path} holds results without {_ASKED}, as version 0.2.0 and `run --out` write them: expected "
+                    f"{path} holds results without {ASKED}, as version 0.2.0 and `run --out` write them: expected "
                     "another --out, or --overwrite"
                 )
             _sweep(path)
@@ -87,7 +90,7 @@ class RunFolder:
         """
         asked, options = _read_asked(path)
         if not asked:
-            raise UsageError(f"{path}: expected the folder of a run, as compare writes it, with {_ASKED}")
+            raise UsageError(f"{path}: expected the folder of a run, as compare writes it, with {ASKED}")
         return cls(path, asked, options)
 
     def ask(self, cells: Sequence[Asked], options: dict[str, Any]) -> None:
@@ -95,12 +98,13 @@ class RunFolder:
 
         Args:
             cells: what is asked for.
-            options: of the command, as JSON has them, without those that change no result.
+            options: of the command, see `Asked`; those of cells without any of their own.
 
         Raises:
             UsageError: the folder's experiments are of another kind; the message says what differs.
         """
         for cell in cells:
+            cell.options = cell.options or options
             if self.asked:
                 self._check(self.asked[0].description["common"], cell.description["common"], "")
             known = next((one for one in self.asked if one.of == cell.of), None)
@@ -110,7 +114,7 @@ class RunFolder:
             for key in ("cell", "noise"):
                 name = " × ".join(cell.of[key] for key in ("object", "method", "policy"))
                 self._check({key: known.description[key]}, {key: cell.description[key]}, f" of {name}")
-            known.experiments = max(known.experiments, cell.experiments)
+            known.experiments, known.options = max(known.experiments, cell.experiments), cell.options
         self.options = options
         self._write_asked()
 
@@ -120,8 +124,8 @@ class RunFolder:
         self._write_asked()
 
     def _write_asked(self) -> None:
-        cells_asked = [{"experiments": one.experiments, "description": one.description} for one in self.asked]
-        write_json(self.path / _ASKED, {"format": FORMAT, "options": self.options, "cells": cells_asked})
+        cells_asked = [asdict(one) for one in self.asked]
+        write_json(self.path / ASKED, {"format": FORMAT, "options": self.options, "cells": cells_asked})
 
     def _check(self, there: dict[str, Any], here: dict[str, Any], what: str) -> None:
         lines = differences(there, here)
@@ -188,6 +192,17 @@ class RunFolder:
                 if unit.description["of"] == cell.of:
                     yield unit
 
+    def units_digest(self) -> str:
+        """Says which units there are: equal for folders with equal units, whatever made them.
+
+        A unit with a result is known by its name; one that failed, by its content too.
+        """
+        total = hashlib.sha256()
+        for file in (file for cell in self.asked for file in self._files_of(cell)):
+            failure = content_digest(file.read_bytes()) if file.parts[-3] == _FAILED else ""
+            total.update(f"{file.parent.name}/{file.name} {failure}\n".encode())
+        return total.hexdigest()[:16]
+
     def files(self) -> Iterator[tuple[str, bool, bytes]]:
         """Of every unit its place, whether it has a result, and its bytes.
 
@@ -216,14 +231,14 @@ def _number(name: str) -> int:
 
 
 def _read_asked(path: Path) -> tuple[list[Asked], dict[str, Any]]:
-    file = path / _ASKED
+    file = path / ASKED
     if not file.is_file():
         return [], {}
     try:
         content = json.loads(file.read_text(encoding="utf-8"))
         if content["format"] != FORMAT:
             raise UsageError(f"{file}: expected format {FORMAT}, got {content['format']}")
-        return [Asked(one["description"], int(one["experiments"])) for one in content["cells"]], content["options"]
+        return [Asked(**one) for one in content["cells"]], content["options"]
     except (OSError, ValueError, KeyError, TypeError) as error:
         if isinstance(error, UsageError):
             raise
@@ -256,7 +271,7 @@ def _locked(path: Path) -> Iterator[None]:
 
 def _empty(path: Path) -> None:
     """Removes what runs write, and nothing else. What was asked for goes first: what is left then means nothing."""
-    for name in (_ASKED, *_WRITTEN):
+    for name in (ASKED, *_WRITTEN):
         (path / name).unlink(missing_ok=True)
     for name in (_UNITS, _FAILED):
         shutil.rmtree(path / name, ignore_errors=True)

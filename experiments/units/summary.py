@@ -37,7 +37,7 @@ class Summary:
 def summarise(folder: RunFolder) -> Summary:
     """The table of all experiments in a folder; writes their logs there, one experiment in memory at a time."""
     counted = []
-    with LogWriter(folder.path) as logs:
+    with LogWriter(folder.path, folder.units_digest()) as logs:
         for unit in folder.units():
             logs.write({name: unit.tables.get(name, []) for name in SCHEMAS})
             counted.append(counted_of(unit))

@@ -1,5 +1,7 @@
 """One finished experiment as a file: compressed JSON, whose content no clock and no machine goes into."""
 
+# ruff: noqa: PLC0415  # the engine is loaded to run an experiment: reading units does not wait for it
+
 import gzip
 import hashlib
 import json
@@ -7,14 +9,16 @@ import re
 import traceback
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
 from cell.records import Tally
 from experiments.errors import UsageError
 from experiments.results.first_attempts import FirstAttempts
-from experiments.setup.experiment import ExperimentResult, ExperimentSpec, run_experiment
 from experiments.units.identity import Description, canonical, describe, unit_name
 from sim.errors import GraphicsError, SimError
+
+if TYPE_CHECKING:
+    from experiments.setup.experiment import ExperimentResult, ExperimentSpec
 
 _UNSAFE = re.compile(r"[^A-Za-z0-9._-]")  # of a name, in a folder's name
 
@@ -96,12 +100,14 @@ def content_digest(packed: bytes) -> str:
     return hashlib.sha256(unpacked(packed)).hexdigest()[:16]
 
 
-def run_unit(spec: ExperimentSpec) -> tuple[str, bool, bytes]:
+def run_unit(spec: "ExperimentSpec") -> tuple[str, bool, bytes]:
     """Runs an experiment; returns its unit's place, whether it has a result, and the unit's bytes.
 
     Raises:
         SimError: the cell cannot be set up, which concerns every experiment.
     """
+    from experiments.setup.experiment import run_experiment
+
     try:
         unit = unit_of(run_experiment(spec))
     except (SimError, GraphicsError, UsageError):
@@ -111,12 +117,12 @@ def run_unit(spec: ExperimentSpec) -> tuple[str, bool, bytes]:
     return unit.place, unit.failure is None, unit.to_bytes()
 
 
-def unit_of(result: ExperimentResult) -> Unit:
+def unit_of(result: "ExperimentResult") -> Unit:
     """The unit of an experiment that ran to its end."""
     return Unit(describe(result.spec), result.count, result.first, result.failure, result.trace, result.tables)
 
 
-def failed_unit(spec: ExperimentSpec, failure: str, trace: str | None = None) -> Unit:
+def failed_unit(spec: "ExperimentSpec", failure: str, trace: str | None = None) -> Unit:
     """The unit of an experiment that ended without a result and without logs."""
     description = describe(spec)
     row = {**description["of"], "experiment": spec.experiment}

@@ -128,6 +128,16 @@ class World:
         """Measured distance of each jaw from the middle, m, to `DIGITS` decimals."""
         return float(rounded(self.data.qpos[self._jaw]))
 
+    @property
+    def q_told(self) -> Array:
+        """Joint angles that the servos were told last, (6,) rad."""
+        return self._held[0, :, 0].copy()
+
+    @property
+    def jaws_told(self) -> float:
+        """Half opening that the jaws were told last, m."""
+        return float(self.data.ctrl[self._jaw_command])
+
     def hold_arm(self, q: Array) -> None:
         """Has the servos hold joint angles, (6,) rad, from the next step on."""
         self._held[0, :, 0], self._held[0, :, 1:] = q, 0.0

@@ -11,8 +11,8 @@ from pathlib import Path
 
 import pytest
 
+from experiments.setup import experiment
 from experiments.setup.experiment import ExperimentResult, ExperimentSpec, run_experiment
-from experiments.units import unit
 from experiments.units.interruption import Terminated
 from tests.experiments.comparisons import compared, contents, rows, table_of
 
@@ -29,7 +29,7 @@ def interrupting(monkeypatch: pytest.MonkeyPatch, after: int, error: BaseExcepti
         finished.append(run_experiment(spec))
         return finished[-1]
 
-    monkeypatch.setattr(unit, "run_experiment", run)
+    monkeypatch.setattr(experiment, "run_experiment", run)
 
 
 @pytest.mark.parametrize(

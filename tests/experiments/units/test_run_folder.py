@@ -9,8 +9,9 @@ from pathlib import Path
 import pytest
 
 from experiments.errors import UsageError
+from experiments.setup import experiment
 from experiments.setup.experiment import ExperimentResult, ExperimentSpec, run_experiment
-from experiments.units import identity, unit
+from experiments.units import identity
 from experiments.units.run_folder import RunFolder
 from experiments.units.unit import Unit, run_unit
 from tests.experiments.command import Told, command
@@ -33,7 +34,7 @@ def counting(monkeypatch: pytest.MonkeyPatch) -> list[ExperimentSpec]:
         ran.append(spec)
         return run_experiment(spec)
 
-    monkeypatch.setattr(unit, "run_experiment", run)
+    monkeypatch.setattr(experiment, "run_experiment", run)
     return ran
 
 
@@ -172,7 +173,7 @@ def test_a_folder_that_is_removed_in_mid_run_is_one_line(
         shutil.rmtree(tmp_path / "run")
         return run_experiment(spec)
 
-    monkeypatch.setattr(unit, "run_experiment", run)
+    monkeypatch.setattr(experiment, "run_experiment", run)
     told = compared(capsys, tmp_path / "run", "--experiments", 1)
     assert (told.code, "No such file or directory" in told.err) == (2, True)
     assert len(told.err.strip().splitlines()) == 1
@@ -227,7 +228,7 @@ def test_a_failed_experiment_keeps_reason_and_traceback_until_it_is_retried(
             raise ZeroDivisionError("by nothing")
         return run_experiment(spec)
 
-    monkeypatch.setattr(unit, "run_experiment", fails)
+    monkeypatch.setattr(experiment, "run_experiment", fails)
     told = compared(capsys, tmp_path, "--experiments", 3)
     assert told.code == 3
     assert "failed: antenna × none, experiment 1: unexpected ZeroDivisionError: by nothing" in told.out

@@ -8,7 +8,7 @@ from cell.records import Tally
 from experiments.commands.config import Compare
 from experiments.errors import UsageError
 from experiments.results.counted import Counted
-from experiments.units import unit
+from experiments.setup import experiment
 from experiments.units.stopping import Stopping
 from tests.experiments.command import Told, command
 from tests.experiments.comparisons import contents, table_of
@@ -95,7 +95,7 @@ def test_a_run_stops_where_it_is_answered_for_any_number_of_workers(
         {name: file for name, file in contents(tmp_path / run).items() if "units" not in name} for run in ("one", "two")
     )
     assert one == two
-    monkeypatch.setattr(unit, "run_experiment", None)  # nothing runs again
+    monkeypatch.setattr(experiment, "run_experiment", None)  # nothing runs again
     assert compared(capsys, tmp_path / "one", *condition, "--jobs", 1).code == 0
     assert {name: file for name, file in contents(tmp_path / "one").items() if "units" not in name} == one
 

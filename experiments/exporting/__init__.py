@@ -1,0 +1,1 @@
+"""Runs written in the formats of others: BOP's and LeRobot's."""
