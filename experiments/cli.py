@@ -21,6 +21,7 @@ from experiments.commands.bench_config import Bench
 from experiments.commands.config import Compare, Picture, Run, Tolerance
 from experiments.commands.doctor import Doctor
 from experiments.commands.uq import Uq
+from experiments.commands.video_config import Video
 from experiments.dataset.config import Dataset
 from experiments.dataset.rules import Rules
 from experiments.errors import UsageError
@@ -53,6 +54,7 @@ COMMANDS = {
     "compare": Command(Compare, "experiments.commands.compare:compare"),
     "run": Command(Run, "experiments.commands.run:run"),
     "picture": Command(Picture, "experiments.commands.picture:picture"),
+    "video": Command(Video, "experiments.commands.video:video"),
     "tolerance": Command(Tolerance, "experiments.commands.tolerance:tolerance"),
     "dataset": Command(Dataset, "experiments.dataset.command:dataset", engine=False),
     "calibrate": Command(Calibrate, "experiments.calibration.command:calibrate", engine=False),

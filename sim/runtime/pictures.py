@@ -46,9 +46,14 @@ class Pictures:
         self._renderer = Renderer(self._mj_model, height, width)
         self._renderer.rgb(self._data, OVERVIEW)  # the first frame's shadows may differ by a grey level
 
-    def rgb(self, camera: str) -> NDArray[np.uint8]:
-        """The picture of a camera, (H, W, 3) uint8: "overview" or "wrist"."""
-        self._data.qpos[:] = self._world.data.qpos
+    def rgb(self, camera: str, positions: NDArray[np.floating] | None = None) -> NDArray[np.uint8]:
+        """The picture of a camera, (H, W, 3) uint8: "overview" or "wrist".
+
+        Args:
+            camera: its name.
+            positions: of the joints, as a `Film` has them; as they are now by default.
+        """
+        self._data.qpos[:] = self._world.data.qpos if positions is None else positions
         mujoco.mj_kinematics(self._mj_model, self._data)
         mujoco.mj_camlight(self._mj_model, self._data)
         return self._renderer.rgb(self._data, camera, self._samples)
