@@ -24,6 +24,7 @@ from experiments.commands.merge import Merge
 from experiments.commands.picture_config import Picture
 from experiments.commands.tolerance_config import Tolerance
 from experiments.commands.uq import Uq
+from experiments.commands.video_config import Video
 from experiments.dataset.config import Dataset
 from experiments.dataset.rules import Rules
 from experiments.errors import UsageError
@@ -62,6 +63,7 @@ COMMANDS = {
     "export": Command(Export, "experiments.exporting.command:export"),
     "run": Command(Run, "experiments.commands.run:run"),
     "picture": Command(Picture, "experiments.commands.picture:picture"),
+    "video": Command(Video, "experiments.commands.video:video"),
     "tolerance": Command(Tolerance, "experiments.commands.tolerance:tolerance"),
     "dataset": Command(Dataset, "experiments.dataset.command:dataset", engine=False),
     "calibrate": Command(Calibrate, "experiments.calibration.command:calibrate", engine=False),

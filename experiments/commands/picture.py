@@ -11,11 +11,12 @@ from experiments.commands.picture_config import Picture
 from experiments.errors import UsageError
 from experiments.results.files import replacing
 from experiments.setup.checks import writable_folder
-from experiments.setup.experiment import ExperimentSpec, run_experiment
+from experiments.setup.experiment import run_experiment
 from sim.errors import MeshesMissingError
-from sim.model.renderer import Renderer
 from sim.networks.ground_truth import LatestTruth
-from sim.runtime.episode import SimCell, build_cell
+from sim.runtime.episode import build_cell
+from sim.runtime.pictures import FINE_SAMPLES, Pictures
+from sim.runtime.world import World
 
 
 class _Taken(Exception):  # noqa: N818  # ends the experiment once the picture is taken
@@ -34,14 +35,15 @@ def picture(config: Picture) -> int:
     if config.out.is_dir():
         raise UsageError(f"cannot write {config.out}: expected the path of a picture, got a folder")
     placed = 0
-    cell = _build(spec)
+    cell = build_cell(*spec.cell)
+    pictures = _open(cell.world, config.size)
 
     def tell(record: object, latest_truth: LatestTruth) -> None:
         nonlocal placed
         if isinstance(record, TimeSlot):
             placed += 1
         if isinstance(record, Transition) and record.target == config.state and placed >= config.after:
-            raise _Taken(_take(cell, config))
+            raise _Taken(pictures.rgb(config.camera))
 
     try:
         run_experiment(spec, tell, cell)
@@ -49,25 +51,17 @@ def picture(config: Picture) -> int:
         _write(config.out, taken.image)
         print(f"picture in {config.out}")
         return 0
+    finally:
+        pictures.close()
     raise UsageError(f"the experiment never reached the state {config.state!r} after {config.after} parts")
 
 
-def _build(spec: ExperimentSpec) -> SimCell:
+def _open(world: World, size: tuple[int, int]) -> Pictures:
+    width, height = size
     try:
-        return build_cell(*spec.cell)
+        return Pictures(world, height, width, FINE_SAMPLES)
     except MeshesMissingError as error:
         raise UsageError(str(error)) from error
-
-
-def _take(cell: SimCell, config: Picture) -> NDArray[np.uint8]:
-    world = cell.world
-    width, height = config.size
-    renderer = Renderer(world.mj_model, height, width)
-    try:
-        renderer.rgb(world.data, config.camera)  # the first frame's shadows may differ by a grey level
-        return renderer.rgb(world.data, config.camera)
-    finally:
-        renderer.close()
 
 
 def _write(path: Path, image: NDArray[np.uint8]) -> None:

@@ -13,11 +13,11 @@ from sim.errors import EnvOptionError
 from sim.gym.observation import AllMethods, DetectionEncoder, Encoded
 from sim.gym.options import EnvOptions
 from sim.model.parts import load_part
-from sim.model.renderer import Renderer
 from sim.networks.ground_truth import LatestTruth
 from sim.networks.noise_model import PartNoise, load_noise
 from sim.networks.random_streams import Streams
 from sim.runtime.episode import Episode, SimCell, begin_episode, build_cell
+from sim.runtime.pictures import Pictures
 from sim.runtime.viewer import Window, has_display
 
 Action = TypeVar("Action")
@@ -52,7 +52,7 @@ class CellEnv(gymnasium.Env[Encoded, Action], Generic[Action]):
         self._seed: int | None = None
         self._experiment = 0
         self._cell: SimCell | None = None
-        self._overview: Renderer | None = None
+        self._overview: Pictures | None = None
         self._window: Window | None = None
         self._latest_truth = LatestTruth()
         self._methods: dict[str, UncertaintyMethod] = {}  # of the episode
@@ -107,9 +107,8 @@ class CellEnv(gymnasium.Env[Encoded, Action], Generic[Action]):
         if self.render_mode != "rgb_array":
             return None
         if self._overview is None:
-            self._overview = Renderer(world.mj_model, *self._render_size)
-            self._overview.rgb(world.data, "overview")  # the first frame's shadows may differ by a grey level
-        return self._overview.rgb(world.data, "overview")
+            self._overview = Pictures(world, *self._render_size)
+        return self._overview.rgb("overview")
 
     def close(self) -> None:
         """Releases window and OpenGL contexts; a reset creates new ones."""

@@ -1,4 +1,4 @@
-"""What the UR10 collides with, and looks like unless its maker's meshes are there: cans, tubes and lids."""
+"""What the UR10 collides with, and hides parts with: cans, tubes and lids."""
 
 from dataclasses import dataclass
 
@@ -9,8 +9,6 @@ Color = tuple[float, float, float, float]
 ALUMINIUM = (0.65, 0.65, 0.65, 1.0)
 LID_BLUE = (0.39, 0.54, 0.64, 1.0)
 JOINT_GREY = (0.22, 0.22, 0.22, 1.0)
-
-HIDDEN_GROUP = 3  # of geoms: MuJoCo draws groups 0 to 2
 
 Point = tuple[float, float, float]
 
@@ -25,7 +23,7 @@ class Shell:
     rgba: Color
     solid: bool = False
 
-    def add_to(self, body: mujoco.MjsBody, *, hidden: bool) -> None:
+    def add_to(self, body: mujoco.MjsBody) -> None:
         """Adds the shell as one geom of `body`; masses are the link's own, so it has none."""
         body.add_geom(
             type=mujoco.mjtGeom.mjGEOM_CYLINDER,
@@ -35,7 +33,6 @@ class Shell:
             density=0.0,
             contype=int(self.solid),
             conaffinity=int(self.solid),
-            group=HIDDEN_GROUP if hidden else 0,
         )
 
 

@@ -1,4 +1,4 @@
-"""What stands around the robot: floor, lights, belt, the tray at a moving belt's end, and the container."""
+"""What stands around the robot: floor, belt, the tray at a moving belt's end, and the container."""
 
 import mujoco
 import numpy as np
@@ -9,7 +9,9 @@ from sim.model.bodies import FURNITURE_FRICTION
 
 BELT_RGBA = (0.38, 0.47, 0.42, 1.0)
 FRAME_RGBA = (0.62, 0.64, 0.66, 1.0)
+FLOOR_RGBA = (0.74, 0.75, 0.76, 1.0)
 CONTAINER_RGBA = (0.20, 0.36, 0.60, 1.0)
+FLOOR_MATERIAL = "floor"
 TRAY_MARGIN = 0.05  # m by which the tray is wider than the belt, to either side
 
 _BOX = mujoco.mjtGeom.mjGEOM_BOX
@@ -31,41 +33,13 @@ def add_furniture(spec: mujoco.MjSpec, layout: Layout, slot_size: tuple[float, f
 
 
 def _add_surroundings(spec: mujoco.MjSpec, layout: Layout) -> None:
-    spec.add_texture(
-        name="sky",
-        type=mujoco.mjtTexture.mjTEXTURE_SKYBOX,
-        builtin=mujoco.mjtBuiltin.mjBUILTIN_GRADIENT,
-        rgb1=[0.86, 0.89, 0.92],
-        rgb2=[0.62, 0.67, 0.72],
-        width=64,
-        height=384,
+    spec.add_material(name=FLOOR_MATERIAL, rgba=FLOOR_RGBA, reflectance=0.0)
+    body = spec.worldbody.add_body(name="floor", pos=(0, 0, layout.floor_z))
+    body.add_geom(
+        type=mujoco.mjtGeom.mjGEOM_PLANE, size=[4, 4, 0.1], material=FLOOR_MATERIAL, friction=FURNITURE_FRICTION
     )
-    spec.add_texture(
-        name="floor",
-        type=mujoco.mjtTexture.mjTEXTURE_2D,
-        builtin=mujoco.mjtBuiltin.mjBUILTIN_CHECKER,
-        rgb1=[0.74, 0.75, 0.76],
-        rgb2=[0.70, 0.71, 0.72],
-        width=256,
-        height=256,
-    )
-    floor = spec.add_material(name="floor", texrepeat=[4, 4], texuniform=True, reflectance=0.0)
-    floor.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = "floor"
-    world = spec.worldbody
-    body = world.add_body(name="floor", pos=(0, 0, layout.floor_z))
-    body.add_geom(type=mujoco.mjtGeom.mjGEOM_PLANE, size=[4, 4, 0.1], material="floor", friction=FURNITURE_FRICTION)
     body.add_geom(
         type=_BOX, size=[0.13, 0.13, -layout.floor_z / 2], pos=[0, 0, -layout.floor_z / 2], rgba=[0.25, 0.27, 0.30, 1]
-    )
-    for pos, direction, strength, shadow in (
-        ((1.6, 1.2, 2.6), (-0.5, -0.4, -1.0), 0.55, True),
-        ((0.2, -2.0, 2.4), (0.1, 0.7, -1.0), 0.25, False),
-    ):
-        light = world.add_light(pos=pos, dir=direction, castshadow=shadow)
-        light.type = mujoco.mjtLightType.mjLIGHT_DIRECTIONAL
-        light.diffuse, light.specular = [strength] * 3, [0.4 * strength] * 3
-    world.add_camera(
-        name="overview", pos=(2.35, -1.75, 1.25), xyaxes=(0.6224, 0.7827, -0.0000, -0.3101, 0.2466, 0.9182), fovy=38
     )
 
 

@@ -19,6 +19,9 @@ from sim.instance_ids import NO_INSTANCE
 
 GL_PACKAGES = "libegl1 libgl1 libosmesa6"
 _PLATFORM = "MUJOCO_GL"
+# Points at multiples of these fill a disk and a square evenly.
+_GOLDEN_ANGLE = np.pi * (3.0 - np.sqrt(5.0))
+_PLASTIC = 0.7548776662466927
 
 
 def pinhole(camera: maskval.Camera, X_BC: Pose) -> dict[str, Any]:
@@ -49,11 +52,26 @@ class Renderer:
         self._part_of_geom = np.array([*numbers, NO_INSTANCE], dtype=np.int8)  # the last for -1, the background
         self._zfar = float(mj_model.vis.map.zfar * mj_model.stat.extent)
 
-    def rgb(self, data: mujoco.MjData, camera: str) -> NDArray[np.uint8]:
-        """The picture, (H, W, 3) uint8."""
+    def rgb(self, data: mujoco.MjData, camera: str, samples: int = 1) -> NDArray[np.uint8]:
+        """The picture, (H, W, 3) uint8.
+
+        Args:
+            data: the state.
+            camera: its name.
+            samples: how many pictures it is the mean of; each is seen from another point of the pixel, by light from
+                another point of the lamps: edges are smooth, and shadows soft.
+        """
         self._renderer.disable_depth_rendering()
         self._renderer.disable_segmentation_rendering()
-        return self._render(data, camera).copy()
+        if samples == 1:
+            return self._render(data, camera).copy()
+        total = np.zeros((self._renderer.height, self._renderer.width, 3), dtype=np.uint16)
+        for number in range(samples):
+            self._renderer.update_scene(data, camera)
+            _shift(self._renderer.scene, self._renderer.height, number, samples)
+            total += self._renderer.render()
+        mean: NDArray[np.uint8] = ((total + samples // 2) // samples).astype(np.uint8)
+        return mean
 
     def depth(self, data: mujoco.MjData, camera: str) -> NDArray[np.float32]:
         """z-depth, (H, W) m; 0 where the camera sees nothing."""
@@ -80,6 +98,29 @@ class Renderer:
         self._renderer.update_scene(data, camera)
         image: NDArray[Any] = self._renderer.render()
         return image
+
+
+def _shift(scene: mujoco.MjvScene, height: int, number: int, samples: int) -> None:
+    """Moves the camera by less than a pixel, and the lamps within their bulbs, for one picture of many.
+
+    The light of a lamp far away comes from a disk; its bulb's radius is that of the disk at a distance of 1.
+    """
+    share = (number + 0.5) / samples
+    for camera in scene.camera:
+        pixel = (camera.frustum_top - camera.frustum_bottom) / height
+        camera.frustum_center += pixel * (share - 0.5)
+        off = pixel * ((share * _PLASTIC * samples) % 1.0 - 0.5)
+        camera.frustum_bottom += off
+        camera.frustum_top += off
+    for index, lamp in enumerate(scene.lights[: scene.nlight]):
+        if lamp.headlight:
+            continue
+        direction = np.array(lamp.dir, dtype=np.float64)
+        x = np.cross(direction, (0.0, 1.0, 0.0))
+        x /= np.linalg.norm(x)
+        angle, radius = _GOLDEN_ANGLE * (number + 1.7 * index), lamp.bulbradius * np.sqrt(share)
+        turned = direction + radius * (np.cos(angle) * x + np.sin(angle) * np.cross(direction, x))
+        lamp.dir = turned / np.linalg.norm(turned)
 
 
 @contextmanager

@@ -1,8 +1,8 @@
 """The UR10 with its gripper and wrist camera as MuJoCo bodies.
 
 Body placement follows ur_description's chain, whose forward kinematics equal the DH table of `cell.ur10` (tested).
-Masses are ur_description's; the shells are drawn from the arm's dimensions, or from the maker's meshes where the
-extra `graspcell[meshes]` is installed (`sim.model.arm_geometry`).
+Masses are ur_description's; the shells have the arm's dimensions (`sim.model.arm_geometry`). `sim.scenery` says how it
+looks.
 """
 
 from dataclasses import dataclass
@@ -16,7 +16,6 @@ from cell.ur10 import JOINT_LIMIT, TORQUE_LIMITS
 from maskval import Camera, Pose
 from sim.model.arm_geometry import Shell, arm_shells
 from sim.model.renderer import pinhole
-from sim.model.vendor_meshes import MakerMesh, maker_meshes
 
 TIME_STEP = 0.002  # s of the physics, and of the robot's controller
 JOINTS = ("shoulder", "upper_arm", "forearm", "wrist_1", "wrist_2", "wrist_3")  # each named as the link that it moves
@@ -74,12 +73,11 @@ GRIPPER_RGBA = (0.16, 0.17, 0.19, 1.0)
 PAD_RGBA = (0.05, 0.05, 0.05, 1.0)
 
 
-def add_robot(spec: mujoco.MjSpec, gripper: Gripper, camera_true: Camera, X_FC_true: Pose, use_meshes: bool) -> None:
+def add_robot(spec: mujoco.MjSpec, gripper: Gripper, camera_true: Camera, X_FC_true: Pose) -> None:
     """Adds arm, gripper, wrist camera, servos and self-collision exclusions to `spec`."""
-    looks = maker_meshes() if use_meshes else None
     shells = arm_shells()
     body = spec.worldbody.add_body(name="base")
-    _add_shells(spec, body, shells["base"], looks)
+    _add_shells(body, shells["base"])
     for link in _LINKS:
         body = body.add_body(name=link.name, pos=link.position, quat=link.quaternion_wxyz, gravcomp=1.0)
         body.mass, body.ipos, body.inertia = link.mass, link.center_of_mass, _rod_inertia(link.mass)
@@ -94,7 +92,7 @@ def add_robot(spec: mujoco.MjSpec, gripper: Gripper, camera_true: Camera, X_FC_t
             actfrclimited=mujoco.mjtLimited.mjLIMITED_TRUE,
             actgravcomp=True,
         )
-        _add_shells(spec, body, shells[link.name], looks)
+        _add_shells(body, shells[link.name])
     for index, link in enumerate(_LINKS):
         spec.joint(link.name).actfrcrange = (-TORQUE_LIMITS[index], TORQUE_LIMITS[index])
         actuator = spec.add_actuator(name=link.name, target=link.name, trntype=mujoco.mjtTrn.mjTRN_JOINT)
@@ -114,20 +112,9 @@ def _rod_inertia(mass: float) -> tuple[float, float, float]:
     return (0.01 * mass, 0.01 * mass, 0.005 * mass)
 
 
-def _add_shells(
-    spec: mujoco.MjSpec, body: mujoco.MjsBody, shells: tuple[Shell, ...], looks: dict[str, list[MakerMesh]] | None
-) -> None:
-    """Gives a link its shells; with meshes to look at, they are hidden, but it is them that collide all the same."""
+def _add_shells(body: mujoco.MjsBody, shells: tuple[Shell, ...]) -> None:
     for shell in shells:
-        if shell.solid or looks is None:
-            shell.add_to(body, hidden=looks is not None)
-    for index, piece in enumerate(looks[body.name] if looks else ()):
-        name = f"{body.name}_look_{index}"
-        mesh = spec.add_mesh(name=name, inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL)
-        mesh.uservert, mesh.userface = piece.vertices.ravel(), piece.faces.ravel()
-        body.add_geom(
-            type=mujoco.mjtGeom.mjGEOM_MESH, meshname=name, rgba=piece.rgba, contype=0, conaffinity=0, density=0.0
-        )
+        shell.add_to(body)
 
 
 def _add_gripper(spec: mujoco.MjSpec, flange: mujoco.MjsBody, gripper: Gripper) -> None:

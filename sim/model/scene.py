@@ -30,12 +30,7 @@ def container_presses(index: int) -> str:
 
 
 def build_scene(
-    layout: Layout,
-    models: Sequence[PartModel],
-    slot_size: tuple[float, float],
-    conditions: Conditions,
-    *,
-    use_meshes: bool = False,
+    layout: Layout, models: Sequence[PartModel], slot_size: tuple[float, float], conditions: Conditions
 ) -> mujoco.MjModel:
     """The compiled cell with one free body per entry of `models`; equal entries share their meshes.
 
@@ -44,8 +39,16 @@ def build_scene(
         models: a part model per part on the belt.
         slot_size: inner size of the container's slots along W's x and y, m.
         conditions: what differs from the layout that the controller believes in.
-        use_meshes: whether to draw the arm with its maker's meshes.
     """
+    compiled = describe_scene(layout, models, slot_size, conditions).compile()
+    disturb(compiled, conditions)
+    return compiled
+
+
+def describe_scene(
+    layout: Layout, models: Sequence[PartModel], slot_size: tuple[float, float], conditions: Conditions
+) -> mujoco.MjSpec:
+    """The same before it is compiled; light, reflections and friction are not disturbed yet."""
     spec = mujoco.MjSpec()
     spec.modelname = "graspcell"
     spec.compiler.degree = False
@@ -53,7 +56,7 @@ def build_scene(
     _set_visuals(spec)
     add_furniture(spec, layout, slot_size)
     camera_true, X_FC_true = conditions.camera_true(layout.camera), conditions.X_FC_true(layout.X_FC)
-    add_robot(spec, layout.gripper, camera_true, X_FC_true, use_meshes)
+    add_robot(spec, layout.gripper, camera_true, X_FC_true)
     for model in {model.part.name: model for model in models}.values():
         add_part_assets(spec, model)
     for index, model in enumerate(models):
@@ -62,15 +65,11 @@ def build_scene(
     for index, thing in enumerate(distractors):
         add_distractor(spec, index, thing)
     _add_sensors(spec, len(models), len(distractors))
-    compiled = spec.compile()
-    disturb(compiled, conditions)
-    return compiled
+    return spec
 
 
 def _set_visuals(spec: mujoco.MjSpec) -> None:
     spec.visual.quality.offsamples = 0  # without multisampling masks and depths are exact
-    spec.visual.quality.shadowsize = 8192
-    spec.visual.map.shadowclip = 2.0  # the shadows' map reaches beyond the floor that is seen
     getattr(spec.visual, "global").offwidth = 1920
     getattr(spec.visual, "global").offheight = 1080
     spec.visual.map.znear = 0.005

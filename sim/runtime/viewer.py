@@ -1,7 +1,6 @@
 """MuJoCo's window onto a running world, in real time."""
 
 import atexit
-import copy
 import os
 import sys
 import threading
@@ -15,10 +14,13 @@ import mujoco.viewer
 import numpy as np
 
 from sim.errors import GraphicsError
+from sim.runtime.pictures import scenery_of
 from sim.runtime.world import World
+from sim.scenery.lighting import OVERVIEW
 
 FRAMES_PER_SECOND = 60.0
 MAX_DELAY = 0.1  # s that are caught up with, as MuJoCo's own viewer has it; after longer pauses time just goes on
+_STATE = mujoco.mjtState.mjSTATE_FULLPHYSICS
 CLOSING_TIME = 5.0  # s of the wall clock that a window may take to go
 
 
@@ -39,13 +41,16 @@ class Window:
     def __init__(self, world: World) -> None:
         _check_display()
         self._world = world
-        self._mj_model, self._data = copy.copy(world.mj_model), copy.copy(world.data)
+        self._mj_model = scenery_of(world)
+        self._data = mujoco.MjData(self._mj_model)
+        self._state = np.empty(mujoco.mj_stateSize(world.mj_model, _STATE))
+        self._copy()
         before = set(threading.enumerate())
         self._viewer = mujoco.viewer.launch_passive(self._mj_model, self._data, show_left_ui=False, show_right_ui=False)
         self._threads = set(threading.enumerate()) - before
         atexit.register(self.close)  # before GLFW, which the viewer has registered, terminates
         with self._viewer.lock():
-            _look_from(self._viewer.cam, self._mj_model, self._data, "overview")
+            _look_from(self._viewer.cam, self._mj_model, self._data, OVERVIEW)
         self._began = (world.time, time.monotonic())  # when both clocks were together
         self._shown_at = world.time
 
@@ -64,8 +69,14 @@ class Window:
         else:
             time.sleep(max(0.0, ahead))
         self._shown_at = now
-        mujoco.mj_copyData(self._data, self._mj_model, self._world.data)
+        self._copy()
         self._viewer.sync()
+
+    def _copy(self) -> None:
+        """Has what is shown stand as the world does; contacts are found anew."""
+        mujoco.mj_getState(self._world.mj_model, self._world.data, self._state, _STATE)
+        mujoco.mj_setState(self._mj_model, self._data, self._state, _STATE)
+        mujoco.mj_forward(self._mj_model, self._data)
 
     def close(self) -> None:
         """Closes the window, and waits until it is gone: GLFW must not be left while another thread draws."""

@@ -35,7 +35,7 @@ class World:
         model: the kind of part.
         parts: how many of them.
         conditions: what disturbs the cell.
-        use_meshes: whether to draw the arm with its maker's meshes.
+        use_meshes: whether pictures show the arm with its maker's meshes; nothing else depends on it.
     """
 
     def __init__(
@@ -47,8 +47,9 @@ class World:
         use_meshes: bool = False,
     ) -> None:
         self.layout, self.part_model, self.parts, self.conditions = layout, model, parts, conditions
+        self.use_meshes = use_meshes
         self.camera_true, self.belt_true = conditions.camera_true(layout.camera), conditions.belt_true(layout.belt)
-        self.mj_model = build_scene(layout, [model] * parts, model.part.slot_size, conditions, use_meshes=use_meshes)
+        self.mj_model = build_scene(layout, [model] * parts, model.part.slot_size, conditions)
         self.data = mujoco.MjData(self.mj_model)
         compiled = self.mj_model
         first = compiled.joint(JOINTS[0])  # the others follow it

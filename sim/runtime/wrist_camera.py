@@ -10,6 +10,7 @@ from maskval.rendering.z_buffer import ZBuffer
 from sim.instance_ids import PIXEL_CENTER
 from sim.model.renderer import Renderer
 from sim.runtime.hiders import hiders_of
+from sim.runtime.pictures import Pictures
 from sim.runtime.world import World
 
 NAME = "wrist"
@@ -21,6 +22,7 @@ class WristCamera:
     def __init__(self, world: World) -> None:
         self._world, self._hiders = world, hiders_of(world.mj_model, world.parts)
         self._renderer: Renderer | None = None
+        self._pictures: Pictures | None = None
         camera, visual = world.camera_true, world.mj_model.vis.map
         self._near = float(visual.znear * world.mj_model.stat.extent)
         # Normals, pointing inwards, of the planes through the camera's centre and the image's sides.
@@ -62,7 +64,10 @@ class WristCamera:
         Raises:
             GraphicsError: there is no off-screen OpenGL.
         """
-        return self._opened().rgb(self._world.data, NAME)
+        if self._pictures is None:
+            camera = self._world.layout.camera
+            self._pictures = Pictures(self._world, camera.height, camera.width)
+        return self._pictures.rgb(NAME)
 
     def depth(self) -> NDArray[np.float32]:
         """z-depth, (H, W) m; 0 where the camera sees nothing.
@@ -70,16 +75,14 @@ class WristCamera:
         Raises:
             GraphicsError: there is no off-screen OpenGL.
         """
-        return self._opened().depth(self._world.data, NAME)
-
-    def close(self) -> None:
-        """Gives the OpenGL context back, if there is one."""
-        if self._renderer is not None:
-            self._renderer.close()
-        self._renderer = None
-
-    def _opened(self) -> Renderer:
         if self._renderer is None:
             camera = self._world.layout.camera
             self._renderer = Renderer(self._world.mj_model, camera.height, camera.width)
-        return self._renderer
+        return self._renderer.depth(self._world.data, NAME)
+
+    def close(self) -> None:
+        """Gives the OpenGL contexts back, if there are any."""
+        for held in (self._renderer, self._pictures):
+            if held is not None:
+                held.close()
+        self._renderer = self._pictures = None

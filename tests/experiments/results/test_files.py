@@ -91,14 +91,14 @@ def test_a_picture_that_does_not_fit_onto_the_disk_is_an_error(
     capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     class Blue:
-        def rgb(self, data: object, camera: str) -> np.ndarray:
+        def rgb(self, camera: str) -> np.ndarray:
             return np.full((2, 3, 3), (0, 0, 255), dtype=np.uint8)
 
         def close(self) -> None:
             pass
 
     path = tmp_path / "cell.png"
-    monkeypatch.setattr(picture_module, "Renderer", lambda *_: Blue())
+    monkeypatch.setattr(picture_module, "Pictures", lambda *_: Blue())
     arguments = ("picture", "--after", 0, "--state", "search", "--out", path)
     assert command(capsys, *arguments).out == f"picture in {path}\n"
     assert picture_module.cv2.imread(str(path)).tolist() == [[[255, 0, 0]] * 3] * 2

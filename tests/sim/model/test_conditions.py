@@ -67,10 +67,12 @@ def undisturbed(antenna: PartModel) -> Images:
 def test_light_scales_the_picture_and_changes_no_depth_or_mask(antenna: PartModel, undisturbed: Images) -> None:
     rgb, depth, numbers = undisturbed
     dim = images(world_of(antenna, light=0.5))
-    belt = (numbers == NO_INSTANCE) & (rgb.max(axis=2) < 255)
+    belt = numbers == NO_INSTANCE
+    belt[:100], belt[380:] = False, False  # the rails shine, and a grey level ends at 255
     assert belt.sum() > 100_000
-    # OpenGL adds the lights' terms and quantises to 1/255 once: half the light is half the grey level.
-    assert np.abs(dim[0][belt] - 0.5 * rgb[belt]).max() <= 1.0
+    # Half the light is half the grey level. Either picture rounds by half of one three times: in the pass of the lamp
+    # that throws shadows, in that of the others, and in the mean of the samples.
+    assert np.abs(dim[0][belt] - 0.5 * rgb[belt]).max() <= (1.0 + 0.5) * 3 * 0.5
     assert np.array_equal(dim[1], depth)
     assert np.array_equal(dim[2], numbers)
 

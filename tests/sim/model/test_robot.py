@@ -7,11 +7,9 @@ from numpy.typing import NDArray
 
 from cell.layout import Layout
 from cell.ur10 import JOINT_LIMIT, TORQUE_LIMITS, forward
-from sim.errors import MeshesMissingError
 from sim.model.conditions import Conditions
 from sim.model.robot import FINGERS, JOINTS
 from sim.model.scene import robot_touches
-from sim.model.vendor_meshes import maker_meshes
 from sim.runtime.world import World
 
 
@@ -66,12 +64,6 @@ def test_the_jaws_press_with_the_force_of_the_layout(antenna_world: World) -> No
     low, high = model.actuator_forcerange[model.actuator("jaws").id]
     # The tendon's length is the mean of both fingers' ways, so its force is shared by halves.
     assert (high / 2, low / 2) == (Layout().gripper.grip_force, -Layout().gripper.grip_force)
-
-
-def test_missing_meshes_are_named_with_the_extra_that_has_them(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("sim.model.vendor_meshes._PACKAGE", "no-such-package")
-    with pytest.raises(MeshesMissingError, match=r"pip install 'graspcell\[meshes\]'"):
-        maker_meshes()
 
 
 def test_a_hand_eye_error_moves_the_true_camera_only(antenna_world: World) -> None:

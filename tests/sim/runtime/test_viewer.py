@@ -135,13 +135,13 @@ def test_the_window_shows_a_copy_that_nothing_leads_back_from(window: Window, wo
 
 def test_the_first_view_is_the_overviews(window: Window, world: World) -> None:
     viewer, scene = viewer_of(window), mujoco.MjvScene(world.mj_model, 1000)
-    overview = world.data.camera("overview")
+    overview = viewer.data.camera("overview")
     mujoco.mjv_updateCamera(viewer.model, viewer.data, viewer.cam, scene)
     eyes = scene.camera  # for stereo, 68 mm apart
     assert (eyes[0].pos + eyes[1].pos) / 2 == pytest.approx(overview.xpos, abs=1e-3)
     assert eyes[0].forward == pytest.approx(-overview.xmat.reshape(3, 3)[:, 2], abs=1e-3)
     assert eyes[0].up == pytest.approx(overview.xmat.reshape(3, 3)[:, 1], abs=1e-3)
-    assert viewer.model.vis.global_.fovy == world.mj_model.camera("overview").fovy[0]
+    assert viewer.model.vis.global_.fovy == viewer.model.camera("overview").fovy[0]
 
 
 def test_a_display_that_is_not_there_is_an_error_and_not_the_end(world: World, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,6 +1,7 @@
 """The instance ids by geometry against those of MuJoCo's renderer, in the states that an experiment passes through."""
 
 from collections.abc import Iterator
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -77,7 +78,7 @@ def test_opengl_is_opened_for_pictures_only_and_closed(antenna_world: World, mon
     opened, closed = [], []
 
     class Watched(Renderer):
-        def __init__(self, *arguments: object) -> None:
+        def __init__(self, *arguments: Any) -> None:
             opened.append(arguments)
             super().__init__(*arguments)
 
@@ -85,17 +86,19 @@ def test_opengl_is_opened_for_pictures_only_and_closed(antenna_world: World, mon
             closed.append(self)
             super().close()
 
-    monkeypatch.setattr("sim.runtime.wrist_camera.Renderer", Watched)
+    for module in ("sim.runtime.wrist_camera", "sim.runtime.pictures"):
+        monkeypatch.setattr(f"{module}.Renderer", Watched)
     camera = WristCamera(antenna_world)
     camera.instance_ids([antenna_world.X_CO(part) for part in range(2)])
     camera.close()
     assert opened == closed == []
-    assert camera.rgb().shape == (480, 640, 3)
-    assert camera.depth().shape == (480, 640)
-    assert len(opened) == 1
+    for count in (1, 2):  # one context each: a depth is exact, a picture is smooth
+        assert camera.rgb().shape == (480, 640, 3)
+        assert camera.depth().shape == (480, 640)
+        assert len(opened) == 2, count
     camera.close()
     camera.close()
-    assert len(closed) == 1
+    assert len(closed) == 2
 
 
 def test_without_opengl_pictures_raise_and_instance_ids_do_not(

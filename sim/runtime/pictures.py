@@ -1,0 +1,63 @@
+"""Pictures of a world as it stands; taking them changes nothing in it."""
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from sim.model.renderer import Renderer
+from sim.runtime.world import World
+from sim.scenery.lighting import OVERVIEW
+from sim.scenery.model import build_scenery
+
+SAMPLES = 4  # per pixel, of a picture that many are taken of
+FINE_SAMPLES = 48  # of a picture to look at for long
+
+
+def scenery_of(world: World) -> mujoco.MjModel:
+    """The model to take pictures of a world of: its joints are the world's.
+
+    Raises:
+        MeshesMissingError: the maker's meshes are asked for and not installed.
+    """
+    model, parts = world.part_model, world.parts
+    return build_scenery(
+        world.layout, [model] * parts, model.part.slot_size, world.conditions, use_meshes=world.use_meshes
+    )
+
+
+class Pictures:
+    """Takes pictures of a world; holds an OpenGL context, so make few and `close` them.
+
+    Args:
+        world: what they show.
+        height: of a picture, px.
+        width: of a picture, px.
+        samples: pictures that each is the mean of; more make shadows softer and edges smoother.
+
+    Raises:
+        GraphicsError: there is no off-screen OpenGL.
+        MeshesMissingError: the maker's meshes are asked for and not installed.
+    """
+
+    def __init__(self, world: World, height: int, width: int, samples: int = SAMPLES) -> None:
+        self._world, self._samples = world, samples
+        self._mj_model = scenery_of(world)
+        self._data = mujoco.MjData(self._mj_model)
+        self._renderer = Renderer(self._mj_model, height, width)
+        self._renderer.rgb(self._data, OVERVIEW)  # the first frame's shadows may differ by a grey level
+
+    def rgb(self, camera: str, positions: NDArray[np.floating] | None = None) -> NDArray[np.uint8]:
+        """The picture of a camera, (H, W, 3) uint8: "overview" or "wrist".
+
+        Args:
+            camera: its name.
+            positions: of the joints, as a `Film` has them; as they are now by default.
+        """
+        self._data.qpos[:] = self._world.data.qpos if positions is None else positions
+        mujoco.mj_kinematics(self._mj_model, self._data)
+        mujoco.mj_camlight(self._mj_model, self._data)
+        return self._renderer.rgb(self._data, camera, self._samples)
+
+    def close(self) -> None:
+        """Gives the OpenGL context back."""
+        self._renderer.close()
