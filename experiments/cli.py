@@ -25,6 +25,7 @@ from experiments.dataset.config import Dataset
 from experiments.dataset.rules import Rules
 from experiments.errors import UsageError
 from experiments.failure import explained
+from experiments.part.config import MakePart
 from experiments.prediction.config import FitGap, Predict
 from experiments.rendering.config import RenderDataset
 from experiments.setup.actors import Actors
@@ -60,6 +61,7 @@ COMMANDS = {
     "predict": Command(Predict, "experiments.prediction.command:predict"),
     "render-dataset": Command(RenderDataset, "experiments.rendering.command:render_dataset"),
     "uq": Command(Uq, "experiments.commands.uq:uq", engine=False),
+    "part": Command(MakePart, "experiments.part.command:part"),
     "bench": Command(Bench, "experiments.commands.bench:bench"),
     "doctor": Command(Doctor, "experiments.commands.doctor:doctor", engine=False),
 }

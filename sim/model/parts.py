@@ -82,7 +82,10 @@ def _read(text: str, folder: Path, source: str) -> PartModel:
         if source.endswith(".toml"):
             _check_name(rows.name, text)
         names = [rows.mesh.file, *(rows.mesh.pieces or ())] if rows.mesh.file else []
-        return _build(text, tuple((name, read_input(folder / name, MOST_MESH)) for name in names), source)
+        meshes = tuple((name, read_input(folder / name, MOST_MESH)) for name in names)
+        beside = folder / rows.noise  # an error model of its own is looked for beside the part's file first
+        noise = str(beside) if rows.noise.endswith(".toml") and beside.is_file() else rows.noise
+        return _build(text, meshes, source, noise)
     except (MaskvalError, PartFileError, TypeError, ValueError, ArithmeticError) as error:
         message = str(error)
         raise PartFileError(message if message.startswith(source) else f"{source}: {message}") from error
@@ -98,7 +101,7 @@ def _check_name(name: str, text: str) -> None:
 
 
 @lru_cache(maxsize=16)  # by all that a part is made from: a tenth of a second goes into its resting poses and hulls
-def _build(text: str, meshes: tuple[tuple[str, bytes], ...], source: str) -> PartModel:
+def _build(text: str, meshes: tuple[tuple[str, bytes], ...], source: str, noise: str) -> PartModel:
     rows = read_part_file(text)
     mesh, pieces = _shape(rows.mesh, dict(meshes), source)
     mesh.density = rows.mass_kg / mesh.volume
@@ -124,7 +127,7 @@ def _build(text: str, meshes: tuple[tuple[str, bytes], ...], source: str) -> Par
         specular=rows.specular,
         shininess=rows.shininess,
         resting_poses=_resting_poses(rows, mesh),
-        noise=rows.noise,
+        noise=noise,
         symmetries=symmetries,
     )
     check_part(model.part, model.resting_poses, pieces, model.center_of_mass)

@@ -70,12 +70,18 @@ def tilt_of(grasp: Grasp, pose: RestingPose) -> float:
     return float(np.arccos(np.clip(-(pose.rotation @ grasp.X_OT.rotation[:, 2])[2], -1.0, 1.0)))
 
 
-def laid_extents(R_WO: NDArray[np.float64], points: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Extents along W's axes, (3,) m, of points (N, 3) of O, with the part turned as it is laid into its slot."""
+def laid_points(R_WO: NDArray[np.float64], points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Points (N, 3) of O along W's axes, with the part turned as it is laid into its slot; O's origin stays at 0."""
     heading = heading_of(R_WO)
     c, s = np.cos(heading), np.sin(heading)
     turn = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
-    extents: NDArray[np.float64] = np.ptp(points @ (turn @ R_WO).T, axis=0)
+    laid: NDArray[np.float64] = points @ (turn @ R_WO).T
+    return laid
+
+
+def laid_extents(R_WO: NDArray[np.float64], points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Extents of `laid_points` along W's axes, (3,) m."""
+    extents: NDArray[np.float64] = np.ptp(laid_points(R_WO, points), axis=0)
     return extents
 
 
