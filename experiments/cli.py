@@ -158,6 +158,8 @@ def options(config: type[Any]) -> list[str]:
     """The options of a command; those of its groups stand among the others."""
     names: list[str] = []
     for field in dataclasses.fields(config):
+        if tyro.conf.Positional in getattr(field.type, "__metadata__", ()):
+            continue
         group = dataclasses.fields(_GROUPS[field.name]) if field.name in _GROUPS else (field,)
         names += (f"--{member.name.replace('_', '-')}" for member in group)
     return names

@@ -17,7 +17,7 @@ FRICTION = 0.6
 
 @dataclass(frozen=True)
 class MakePart:
-    """Make a part of your own from a mesh: pieces that collide, stable poses, symmetries, grasps tried in physics, slot.
+    """Make a part of your own from a mesh: what collides, stable poses, symmetries, grasps tried in physics, slot.
 
     Reads .stl, .obj, .ply or .glb and writes a folder with the part's TOML file, its meshes, its error model and
     preview.png to --out; needs the extra graspcell[parts]. Or checks part files with --check.

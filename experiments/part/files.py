@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import trimesh
@@ -60,7 +61,8 @@ def write_meshes(folder: Path, draft: Draft) -> None:
         **dict(zip(_piece_names(draft), draft.pieces.hulls, strict=True)),
     }.items():
         with replacing(folder / name) as file:
-            file.write(trimesh.Trimesh(mesh.vertices, mesh.faces, process=False).export(file_type="ply"))
+            content: Any = trimesh.Trimesh(mesh.vertices, mesh.faces, process=False).export(file_type="ply")
+            file.write(content)
 
 
 def write_part(folder: Path, draft: Draft, tried: Sequence[Tried]) -> Path:
@@ -95,7 +97,7 @@ def part_text(draft: Draft, tried: Sequence[Tried]) -> str:
         f"pieces = [  # convex; together {draft.pieces.share:.2f} of the part's volume{pieces}\n]",
         "",
         "[slot]",
-        f"size_mm = [{x:g}, {y:g}]  # inner size along W's x and y; the arm reaches {draft.slot.reached} of these slots",
+        f"size_mm = [{x:g}, {y:g}]  # inner size along W's x and y; the arm reaches {draft.slot.reached} of these",
         "",
         *_pose_lines(draft),
         *_turn_lines(draft.turns),

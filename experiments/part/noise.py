@@ -4,15 +4,15 @@ import numpy as np
 
 from maskval import Mesh
 from sim.model.parts import load_part, part_names
-from sim.networks.noise_model import SECTIONS, bounds, load_noise, noise_text
+from sim.networks.noise_model import SECTIONS, PartNoise, bounds, load_noise, noise_text
 from sim.parts.turns import Turn
 
 LENGTHS = ("pose.lateral_mm", "pose.gross_lateral_mm", "pose.gross_depth_mm")  # they grow with the part
 _HEAD = """\
-# Error model of the estimators for {name}: an assumption, not a fit. Nothing is known of how networks see this part.
-# Each value is the geometric mean (correlations: the mean) of those fitted for {fitted}; lengths are scaled by the
-# diameter, {diameter:.0f} mm, over that of each of these parts. `graspcell calibrate --part FILE.toml --targets FILE.toml`
-# fits the model to dataset figures of the part.
+# Error model of the estimators for {name}: an assumption, not a fit. How networks see this part is not known.
+# Each value is the geometric mean (correlations: the mean) of those fitted for {fitted}; lengths are
+# scaled by the diameter, {diameter:.0f} mm, over that of each of these parts. To fit the model to dataset figures of the
+# part: `graspcell calibrate --part FILE.toml --targets FILE.toml`.
 """
 
 
@@ -50,10 +50,10 @@ def scaled_noise(name: str, mesh: Mesh, turns: tuple[Turn, ...]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _mean(name: str, fitted: dict[str, object], diameters: dict[str, float], diameter: float) -> float:
+def _mean(name: str, fitted: dict[str, PartNoise], diameters: dict[str, float], diameter: float) -> float:
     numbers = []
     for one, noise in fitted.items():
-        value = noise.number(name)  # type: ignore[attr-defined]
+        value = noise.number(name)
         numbers.append(value * diameter / diameters[one] if name in LENGTHS else value)
     low, _ = bounds(name)
     if low < 0 or min(numbers) <= 0:

@@ -84,5 +84,6 @@ def _slot_line(draft: Draft) -> str:
     if draft.slot.reached == _SLOTS:
         return f"slot: {x:g} × {y:g} mm; the arm reaches all {_SLOTS}"
     if draft.slot.reached:
-        return f"slot: {x:g} × {y:g} mm; the arm reaches {draft.slot.reached} of {_SLOTS}: use --parts {draft.slot.reached}"
+        reached = draft.slot.reached
+        return f"slot: {x:g} × {y:g} mm; the arm reaches {reached} of {_SLOTS}: use --parts {reached}"
     return f"slot: no: with {x:g} × {y:g} mm the container has no slot that the arm reaches"

@@ -9,10 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from experiments.results.provenance import write_json
-from maskval import Camera, Mesh, bop, silhouette, silhouette_boxes
-from maskval.symmetry import right_angle_symmetries
+from maskval import Camera, bop, silhouette, silhouette_boxes
 from sim.images.pictures import LabelledPicture
 from sim.instance_ids import PIXEL_CENTER
+from sim.model.parts import PartModel
+from sim.parts.turns import model_symmetries
 
 OBJECT = 1  # the part's number in the dataset
 DEPTH_SCALE = 0.1  # mm for each step of the depth images, which then reach 6.5 m: farther than a room's corner
@@ -28,10 +29,11 @@ class Labels:
     infos: list[bop.GroundTruthInfo]
 
 
-def write_model(folder: Path, mesh: Mesh, camera: Camera) -> None:
+def write_model(folder: Path, model: PartModel, camera: Camera) -> None:
     """Writes `models/` and `camera.json`."""
+    mesh = model.part.mesh
     bop.write_model(folder / "models" / f"obj_{OBJECT:06d}.ply", mesh)
-    info = bop.ModelInfo(mesh.diameter, right_angle_symmetries(mesh))
+    info = bop.ModelInfo(mesh.diameter, *model_symmetries(model.symmetries, mesh))
     bop.write_models_info(folder / "models" / "models_info.json", {OBJECT: (mesh, info)})
     intrinsics = {name: getattr(camera, name) for name in ("cx", "cy", "fx", "fy", "height", "width")}
     write_json(folder / "camera.json", {**intrinsics, "depth_scale": DEPTH_SCALE})

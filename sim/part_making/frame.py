@@ -26,4 +26,5 @@ def choose_frame(mesh: trimesh.Trimesh) -> tuple[trimesh.Trimesh, Pose, str | No
     moved = mesh.copy()
     moved.apply_transform(X_MO.inverse().matrix)
     which = f"its x axis along the mesh's {_AXES[longest]}" if turned else "its axes those of the mesh"
-    return moved, X_MO, f"frame O has its origin in the middle of the mesh's box, {which}"
+    origin = " ".join(f"{1000 * x:g}" for x in X_MO.translation)
+    return moved, X_MO, f"frame O has its origin in the middle of the mesh's box, at {origin} mm, {which}"

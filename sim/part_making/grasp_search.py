@@ -17,7 +17,7 @@ from sim.parts.stable_poses import RestingPose
 BELT_ROOM = 0.0025  # m between finger tips and belt; the tool stays within 0.5 mm of its way
 RAIL_REACH = 0.050  # m beyond the part's outline that belong to it: 55 mm are free around it
 RAIL_TOP = 0.012  # m above the belt
-PREFERRED_TILT = np.radians(40.0)
+PREFERRED_TILT = float(np.radians(40.0))
 PAIRS = 130  # per stable pose
 DEPTHS = (-0.008, 0.0, 0.010)  # m of the tool above the pair's middle
 _LEVEL = np.sin(np.radians(20.0))  # a closing direction so near to the horizontal is made horizontal
@@ -120,7 +120,7 @@ def _judged(grip: Grip, surface: SurfacePoints, poses: Sequence[RestingPose], gr
 
 def _score(grip: Grip, tilt: float) -> float:
     """Large pads' contact, room beside the part, the centre of mass near, upright: each about 1 where it is good."""
-    return (
+    return float(
         min(grip.patch / 40.0, 1.0)
         + 0.7 * min(grip.clearance / 0.015, 1.0)
         - 1.0 * grip.lever / 0.03

@@ -90,7 +90,7 @@ def _best_for(
 
 
 def _upright(candidate: Candidate, pose: RestingPose) -> bool:
-    return tilt_of(_named(0, candidate), pose) <= min(PREFERRED_TILT, candidate.max_tilt - np.radians(2.0))
+    return tilt_of(_named(0, candidate), pose) <= min(PREFERRED_TILT, candidate.max_tilt - float(np.radians(2.0)))
 
 
 def _named(number: int, candidate: Candidate) -> Grasp:

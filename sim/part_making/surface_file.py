@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import trimesh
@@ -50,7 +51,7 @@ def read_surface(path: Path, unit: str | None = None) -> Surface:
     if len(mesh.faces) > MOST_INPUT_FACES:
         raise PartFileError(f"{path.name}: expected at most {MOST_INPUT_FACES} faces, got {len(mesh.faces)}")
     unit = unit or ("m" if path.suffix.lower() == ".glb" else _unit(path.name, mesh))
-    mesh.apply_scale(UNITS[unit])
+    mesh = trimesh.Trimesh(mesh.vertices * UNITS[unit], mesh.faces, process=False)
     extent = float(mesh.extents.max())
     if not extent <= LARGEST_PART:
         raise PartFileError(
@@ -98,7 +99,7 @@ def _repaired(mesh: trimesh.Trimesh) -> tuple[trimesh.Trimesh, list[str]]:
         if len(mesh.faces) > before:
             notes.append(f"closed holes of three or four edges with {len(mesh.faces) - before} triangles")
     if not mesh.is_winding_consistent or mesh.volume < 0:
-        trimesh.repair.fix_normals(mesh, multibody=True)
+        trimesh.repair.fix_normals(mesh, multibody=True)  # type: ignore[no-untyped-call]
         notes.append("turned triangles so that all of them face outwards")
     return mesh, notes
 
@@ -116,7 +117,10 @@ def _one_body(mesh: trimesh.Trimesh, name: str) -> tuple[trimesh.Trimesh, list[s
         specks = (volumes > 0) & (volumes < _SPECK * volumes.max())
         if specks.any():
             notes.append(f"left out {int(specks.sum())} loose bodies of less than {_SPECK:.1%} of the volume")
-            mesh = trimesh.util.concatenate([body for body, speck in zip(bodies, specks, strict=True) if not speck])
+            kept: Any = trimesh.util.concatenate(
+                [body for body, speck in zip(bodies, specks, strict=True) if not speck]
+            )
+            mesh = kept
         outer = [body for body, volume, speck in zip(bodies, volumes, specks, strict=True) if volume > 0 and not speck]
         if len(outer) > 1:
             solids = [solid for body in outer if (solid := solid_of(body)) is not None]

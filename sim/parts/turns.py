@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from maskval import Pose, SymmetryAxis
+from maskval import Mesh, Pose, SymmetryAxis
+from maskval.symmetry import right_angle_symmetries
 
 MOST_DISCRETE = 120  # turns; a dodecahedron has 60
 _SAME = 1e-6  # of a rotation's entries
@@ -47,6 +48,18 @@ def discrete_symmetries(turns: Sequence[Turn]) -> tuple[Pose, ...]:
         if len(found) > MOST_DISCRETE:
             raise ValueError(f"expected turns that make at most {MOST_DISCRETE} symmetries, got more")
     return tuple(found[1:])
+
+
+def model_symmetries(turns: Sequence[Turn], mesh: Mesh) -> tuple[tuple[Pose, ...], tuple[SymmetryAxis, ...]]:
+    """Discrete symmetries and axes of continuous ones, as BOP lists them.
+
+    Args:
+        turns: those of the part's file; where it lists none, turns by multiples of 90° are looked for.
+        mesh: the part's.
+    """
+    if not turns:
+        return right_angle_symmetries(mesh), ()
+    return discrete_symmetries(turns), continuous_axes(turns)
 
 
 def _same(one: NDArray[np.float64], other: NDArray[np.float64]) -> bool:
