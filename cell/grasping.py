@@ -59,6 +59,17 @@ def plan_grasps(part: Part, X_BO_est: Pose) -> list[GraspPlan]:
     return [plan for _, plan in plans]
 
 
+def why_unreachable(part: Part, X_BO_est: Pose) -> str:
+    """Why no grasp can be carried out, of a part whose grasps the arm does not reach."""
+    from_above = len(dict.fromkeys(plan.grasp.name for plan in plan_grasps(part, X_BO_est)))
+    if from_above:
+        x, y, z = X_BO_est.translation.round(3).tolist()
+        return f"out of reach: no joint angles for {from_above} grasps from above at ({x}, {y}, {z}) m in the base"
+    uprights = [-(X_BO_est @ grasp.X_OT).rotation[2, 2] for grasp in part.grasps]
+    tilt = float(np.degrees(np.arccos(np.clip(max(uprights), -1.0, 1.0))))
+    return f"no grasp from above: the most upright of {len(part.grasps)} is tilted by {tilt:.0f}°"
+
+
 def plan_places(
     part: Part, layout: Layout, plan: GraspPlan, container_slot: int, release_half_opening: float
 ) -> list[PlacePlan]:

@@ -113,7 +113,7 @@ def _pose_lines(draft: Draft) -> list[str]:
     lines = ["# How it lies: which direction of O points up, and how likely that is; the likeliest first."]
     for index, pose in enumerate(draft.poses):
         none = "" if index in served else "  # no grasp: a part that lies so stays on the belt"
-        lines += ["[[poses]]", f"up = {_vector(pose.rotation[2], 6)}{none}", f"probability = {pose.probability:g}", ""]
+        lines += ["[[poses]]", f"up = {_vector(pose.rotation[2], 9)}{none}", f"probability = {pose.probability:g}", ""]
     return lines
 
 
@@ -143,8 +143,8 @@ def _grasp_lines(number: int, one: Chosen, draft: Draft, tried: Sequence[Tried])
         "[[grasps]]",
         f'name = "{grasp.name}"  # stable poses {poses} (from 0); across {2000 * grip.half_width:.1f} mm; {share}',
         f"tcp_mm = {_vector(1000 * grasp.X_OT.translation, 3)}",
-        f"approach = {_vector(grasp.X_OT.rotation[:, 2], 6)}",
-        f"closing = {_vector(grasp.X_OT.rotation[:, 1], 6)}",
+        f"approach = {_vector(grasp.X_OT.rotation[:, 2], 9)}",
+        f"closing = {_vector(grasp.X_OT.rotation[:, 1], 9)}",
         f"half_opening_mm = {1000 * grasp.half_opening:.1f}",
         f"max_tilt_deg = {np.degrees(grasp.max_tilt):.1f}",
     ]

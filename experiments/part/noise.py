@@ -10,9 +10,9 @@ from sim.parts.turns import Turn
 LENGTHS = ("pose.lateral_mm", "pose.gross_lateral_mm", "pose.gross_depth_mm")  # they grow with the part
 _HEAD = """\
 # Error model of the estimators for {name}: an assumption, not a fit. How networks see this part is not known.
-# Each value is the geometric mean (correlations: the mean) of those fitted for {fitted}; lengths are
-# scaled by the diameter, {diameter:.0f} mm, over that of each of these parts. To fit the model to dataset figures of the
-# part: `graspcell calibrate --part FILE.toml --targets FILE.toml`.
+# Each value is the geometric mean (correlations: the mean) of those fitted for {fitted}.
+# Lengths are scaled by the diameter, {diameter:.0f} mm, over that of each of these parts.
+# To fit it to dataset figures of the part: `graspcell calibrate --part FILE.toml --targets FILE.toml`.
 """
 
 

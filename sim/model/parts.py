@@ -184,6 +184,8 @@ def _curves(generator: str, arguments: dict[str, Any]) -> Curves:
 
 
 def _grasp(row: GraspRow) -> Grasp:
-    approach, closing = np.array(row.approach), np.array(row.closing)
+    approach = _unit(row.approach)  # the file's numbers are rounded
+    closing = np.array(row.closing)
+    closing = _unit(closing - (closing @ approach) * approach)
     X_OT = Pose(np.column_stack([np.cross(closing, approach), closing, approach]), np.array(row.tcp_mm) / 1000.0)
     return Grasp(row.name, X_OT, row.half_opening_mm / 1000.0, float(np.radians(row.max_tilt_deg)))
