@@ -28,6 +28,25 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Lying:
+    """A stable pose with the half planes, (E, 3), that bound the part's outline seen from above."""
+
+    pose: RestingPose
+    outline: Array
+
+    @classmethod
+    def of(cls, pose: RestingPose, surface: SurfacePoints) -> "Lying":
+        """The surface in a stable pose."""
+        points = surface.points @ pose.rotation.T
+        return cls(pose, scipy.spatial.ConvexHull(points[:, :2]).equations)
+
+    def __post_init__(self) -> None:
+        held = np.array(self.outline)
+        held.flags.writeable = False
+        object.__setattr__(self, "outline", held)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Candidate:
     """A grip and in which of the stable poses it may be used.
 
@@ -50,6 +69,7 @@ def find_candidates(
     """All grips found for the stable poses, the best first."""
     rng = np.random.default_rng(np.random.SeedSequence(seed))
     middles, axes = antipodal_pairs(surface, rng, 2 * (gripper.max_half_opening - LEAST_CLEARANCE))
+    lying = [Lying.of(pose, surface) for pose in poses]
     found = []
     for pose in poses:
         up_O = pose.rotation[2]
@@ -58,7 +78,7 @@ def find_candidates(
         for pair in rng.permutation(order)[:PAIRS]:
             for X_OT in _tools(middles[pair], axes[pair], pose, gripper):
                 grip = grip_at(X_OT, surface, center_of_mass, gripper)
-                if grip is not None and (candidate := _judged(grip, surface, poses, gripper)) is not None:
+                if grip is not None and (candidate := _judged(grip, lying, gripper)) is not None:
                     found.append(candidate)
     return sorted(found, key=lambda one: (-round(one.score, 6), *one.grip.X_OT.translation.round(6)))
 
@@ -101,14 +121,15 @@ def _tools(middle: Array, axis: Array, pose: RestingPose, gripper: Gripper) -> l
     return [Pose(R_OT, middle - (h - height) / steep * approach) for h in heights]
 
 
-def _judged(grip: Grip, surface: SurfacePoints, poses: Sequence[RestingPose], gripper: Gripper) -> Candidate | None:
-    tilts = [float(np.arccos(np.clip(-(pose.rotation @ grip.X_OT.rotation[:, 2])[2], -1, 1))) for pose in poses]
+def _judged(grip: Grip, lying: Sequence[Lying], gripper: Gripper) -> Candidate | None:
+    ups = [one.pose.rotation[2] for one in lying]
+    tilts = [float(np.arccos(np.clip(-up @ grip.X_OT.rotation[:, 2], -1, 1))) for up in ups]
     usable: list[int] = []
     limit = MAX_TILT
-    for index in sorted(range(len(poses)), key=lambda one: (round(tilts[one], 6), one)):
+    for index in sorted(range(len(lying)), key=lambda one: (round(tilts[one], 6), one)):
         if tilts[index] > MAX_TILT - np.radians(2.0):
             break
-        if not is_free(grip, poses[index], surface, gripper):
+        if not is_free(grip, lying[index], gripper):
             last = tilts[usable[-1]] if usable else 0.0
             limit = min(MAX_TILT, (last + tilts[index]) / 2)
             break
@@ -128,8 +149,9 @@ def _score(grip: Grip, tilt: float) -> float:
     )
 
 
-def is_free(grip: Grip, pose: RestingPose, surface: SurfacePoints, gripper: Gripper) -> bool:
+def is_free(grip: Grip, lying: Lying, gripper: Gripper) -> bool:
     """Whether fingers and body stay off the belt, and so near to the part that rails and other parts stay clear."""
+    pose = lying.pose
     R_WT = pose.rotation @ grip.X_OT.rotation
     p_WT = pose.rotation @ grip.X_OT.translation + [0.0, 0.0, pose.height]
     fingers = _corners(gripper.finger_width / 2, grip.half_opening + gripper.finger_thickness, gripper.tip_below_tcp)
@@ -138,9 +160,7 @@ def is_free(grip: Grip, pose: RestingPose, surface: SurfacePoints, gripper: Grip
     tips, base = fingers @ R_WT.T + p_WT, body @ R_WT.T + p_WT
     if tips[:, 2].min() < BELT_ROOM or base[:, 2].min() < RAIL_TOP + BELT_ROOM:
         return False
-    points = surface.points @ pose.rotation.T
-    outline = scipy.spatial.ConvexHull(points[:, :2])
-    outside = outline.equations[:, :2] @ tips[:, :2].T + outline.equations[:, 2:]
+    outside = lying.outline[:, :2] @ tips[:, :2].T + lying.outline[:, 2:]
     return bool(outside.max() <= RAIL_REACH)
 
 
