@@ -150,7 +150,7 @@ def _resting_poses(rows: PartFile, mesh: trimesh.Trimesh) -> tuple[RestingPose, 
     )
 
 
-def _unit(direction: Sequence[float]) -> NDArray[np.float64]:
+def _unit(direction: Sequence[float] | NDArray[np.float64]) -> NDArray[np.float64]:
     vector = np.asarray(direction, dtype=np.float64)
     unit: NDArray[np.float64] = vector / np.linalg.norm(vector)
     return unit
