@@ -5,7 +5,6 @@ from pathlib import Path
 
 from experiments.errors import UsageError
 from experiments.results.paper import ROBOT_TABLE
-from experiments.setup.checks import one_of
 from maskval import InvalidFileError
 from maskval.input_files import read_input_text
 from sim.errors import SimError
@@ -27,11 +26,11 @@ def robot_targets(part: str, file: Path | None) -> tuple[float, float]:
     """
     if file is None:
         names = tuple(dict.fromkeys(name for name, _ in ROBOT_TABLE))
-        if part.endswith(".toml"):
+        if part not in names:
             raise UsageError(
-                f"the paper has no figures of {part}: give those of your robot with --targets FILE.toml; {_FORM}"
+                f"the paper has no figures of {part!r}: expected one of {', '.join(names)}, or a part file with "
+                f"what your robot did: graspcell gap --part FILE.toml --targets TARGETS.toml; {_FORM}"
             )
-        one_of("--part", part, names)
         return ROBOT_TABLE[part, "none"]
     try:
         load_noise(load_part(part).noise)
