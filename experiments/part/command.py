@@ -57,16 +57,14 @@ def _make(config: MakePart) -> int:
         check_matplotlib()
     search = GraspSearch(draft, Layout(), config.seed)
     draft = search.chosen()
-    mesh = Mesh(draft.mesh.vertices, draft.mesh.faces)
-    write_text(folder / "noise.toml", scaled_noise(draft.name, mesh, draft.turns))
-    write_meshes(folder, draft)
-    tried: list[Tried] = []
-    if draft.chosen:
-        draft, tried = _tried(config, folder, draft, search)
     if not draft.chosen:
         print("\n".join(report_lines(draft, [])))
         print("no part was written: this gripper holds it in none of its stable poses")
         return FAILED
+    mesh = Mesh(draft.mesh.vertices, draft.mesh.faces)
+    write_text(folder / "noise.toml", scaled_noise(draft.name, mesh, draft.turns))
+    write_meshes(folder, draft)
+    draft, tried = _tried(config, folder, draft, search)
     path = write_part(folder, draft, tried)
     write_json(folder / "manifest.json", {**manifest(config), "seed": config.seed})
     print("\n".join(report_lines(draft, tried)))

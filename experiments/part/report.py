@@ -3,14 +3,21 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from cell.layout import Container
+import numpy as np
+from numpy.typing import NDArray
+
+from cell.layout import Container, Gripper
 from experiments.part.files import Draft
 from experiments.part.trials import FELL, Tried
 from sim.errors import SimError
 from sim.model.parts import load_part
 from sim.networks.noise_model import load_noise
+from sim.part_making.fingers import LEAST_CLEARANCE
 from sim.parts.part_checks import warnings_of
+from sim.parts.stable_poses import RestingPose
 
+LOWEST = 0.004  # m; of a lower part the pads get no hold
+WIDEST = 2 * (Gripper().max_half_opening - LEAST_CLEARANCE)
 _SLOTS = Container().rows * Container().columns
 
 
@@ -72,11 +79,29 @@ def _uncovered(draft: Draft) -> list[str]:
     left = [index for index in range(len(draft.poses)) if index not in served]
     if not left:
         return ["every stable pose has a grasp"]
-    share = sum(draft.poses[index].probability for index in left)
+    vertices = draft.mesh.vertices
     return [
-        f"not covered: stable poses {', '.join(map(str, left))}, {share:.1%} of the parts: no pair of faces there that "
-        "jaws of 0 to 96 mm can close on from above without meeting belt or part"
+        f"not covered: stable pose {index}, {draft.poses[index].probability:.1%} of the parts: "
+        f"{why_uncovered(vertices, draft.poses[index])}"
+        for index in left
     ]
+
+
+def why_uncovered(vertices: NDArray[np.float64], pose: RestingPose) -> str:
+    """Why the gripper holds no part that lies so, as far as its outline shows it.
+
+    Args:
+        vertices: the part's, (V, 3) m in O.
+        pose: how it lies.
+    """
+    points = vertices @ pose.rotation.T
+    height, angles = float(np.ptp(points[:, 2])), np.linspace(0.0, np.pi, 90, endpoint=False)
+    widths = np.ptp(points[:, :2] @ np.array([np.cos(angles), np.sin(angles)]), axis=0)
+    if height < LOWEST:
+        return f"{1000 * height:.1f} mm high, and finger tips stay 3 mm off the belt"
+    if widths.min() > WIDEST:
+        return f"at least {1000 * widths.min():.0f} mm wide, and jaws go around {1000 * WIDEST:.0f} mm at most"
+    return "no two opposite faces that the jaws can close on from above without meeting belt or part"
 
 
 def _slot_line(draft: Draft) -> str:
