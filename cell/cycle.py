@@ -7,6 +7,7 @@ from typing import TypeVar
 from cell.attempt import Attempt
 from cell.conveyor_tracking import BeltSpeed
 from cell.errors import EstimatorError, LayoutError, PolicyError
+from cell.grasping import why_unreachable
 from cell.guards import TIME_LIMIT, check_decision, guarded_decision
 from cell.interfaces import (
     Action,
@@ -253,6 +254,8 @@ class Cycle:
             seen.X_BO_est, self._container_slot, observation.frame.time
         )
         outcome = Outcome.UNREACHABLE if reach.grasp is None else self._referee.verdict(reach.contact)
+        if reach.grasp is None:
+            self._enter(State.DECIDE, f"unreachable: {why_unreachable(self._perception.part, seen.X_BO_est)}")
         self._tell(
             AttemptRecord(
                 slot=self._slot,

@@ -11,7 +11,6 @@ from cell.layout import Gripper, Layout
 from cell.part import Grasp, Part
 from maskval import Pose
 
-MAX_TILT = np.radians(50.0)  # of the approach from the vertical; beyond it the gripper's body meets the belt
 TILT_DIGITS = 6  # decimals of rad; of grasps that are as upright as one another, the first of the part's file
 APPROACH_LENGTH = 0.12  # m, straight line to the part
 LIFT_HEIGHT = 0.16  # m, straight up: part and jaws clear the container's walls and the other parts
@@ -50,7 +49,7 @@ def plan_grasps(part: Part, X_BO_est: Pose) -> list[GraspPlan]:
             X_BT = X_BO_est @ grasp.X_OT @ flip
             approach_B = X_BT.rotation[:, 2]
             tilt = np.arccos(np.clip(-approach_B[2], -1.0, 1.0))
-            if tilt > MAX_TILT:
+            if tilt > grasp.max_tilt:
                 continue
             before = _shifted(X_BT, -APPROACH_LENGTH * approach_B)
             lifted = _shifted(X_BT, np.array([0.0, 0.0, LIFT_HEIGHT]))
@@ -58,6 +57,17 @@ def plan_grasps(part: Part, X_BO_est: Pose) -> list[GraspPlan]:
     # Stable: the two ways round keep their order. The arc cosine has half of the digits near 0.
     plans.sort(key=lambda entry: round(entry[0], TILT_DIGITS))
     return [plan for _, plan in plans]
+
+
+def why_unreachable(part: Part, X_BO_est: Pose) -> str:
+    """Why no grasp can be carried out, of a part whose grasps the arm does not reach."""
+    from_above = len(dict.fromkeys(plan.grasp.name for plan in plan_grasps(part, X_BO_est)))
+    if from_above:
+        x, y, z = X_BO_est.translation.round(3).tolist()
+        return f"out of reach: no joint angles for {from_above} grasps from above at ({x}, {y}, {z}) m in the base"
+    uprights = [-(X_BO_est @ grasp.X_OT).rotation[2, 2] for grasp in part.grasps]
+    tilt = float(np.degrees(np.arccos(np.clip(max(uprights), -1.0, 1.0))))
+    return f"no grasp from above: the most upright of {len(part.grasps)} is tilted by {tilt:.0f}°"
 
 
 def plan_places(
@@ -70,7 +80,7 @@ def plan_places(
     """
     X_WB = layout.X_WB
     X_WO = X_WB @ plan.X_BO_est
-    heading = _heading(X_WO.rotation)
+    heading = heading_of(X_WO.rotation)
     X_OT = X_WO.inverse() @ X_WB @ plan.X_BT_grip
     p_WK = layout.container.slot_center(container_slot, part.slot_size)
     places = []
@@ -109,7 +119,7 @@ def _shifted(X_AB: Pose, by_A: NDArray[np.float64]) -> Pose:
     return Pose(X_AB.rotation, X_AB.translation + by_A)
 
 
-def _heading(R_WO: NDArray[np.float64]) -> float:
+def heading_of(R_WO: NDArray[np.float64]) -> float:
     """Angle of the part's x axis seen from above, rad; of its y axis where it stands on the x axis."""
     axis = 0 if np.linalg.norm(R_WO[:2, 0]) > np.sqrt(0.5) else 1
     return float(np.arctan2(R_WO[1, axis], R_WO[0, axis]))

@@ -2,7 +2,12 @@
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from maskval import Mesh, Pose
+
+MAX_TILT_DEG = 50.0  # of the approach from the vertical; beyond it the gripper's body meets the belt
+MAX_TILT = np.radians(MAX_TILT_DEG)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -13,11 +18,13 @@ class Grasp:
         name: as the part's file calls it.
         X_OT: the tool centre point in the part's frame; z is the approach, y the closing direction.
         half_opening: distance of each jaw from the middle before closing, m.
+        max_tilt: of the approach from the vertical, rad; the grasp is not used where it would be more.
     """
 
     name: str
     X_OT: Pose
     half_opening: float
+    max_tilt: float = MAX_TILT
 
 
 @dataclass(frozen=True, slots=True, eq=False)

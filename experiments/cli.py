@@ -30,6 +30,7 @@ from experiments.dataset.rules import Rules
 from experiments.errors import UsageError
 from experiments.exporting.config import Export
 from experiments.failure import explained
+from experiments.part.config import MakePart
 from experiments.prediction.config import FitGap, Predict
 from experiments.reading.config import Query
 from experiments.rendering.config import RenderDataset
@@ -71,6 +72,7 @@ COMMANDS = {
     "predict": Command(Predict, "experiments.prediction.command:predict"),
     "render-dataset": Command(RenderDataset, "experiments.rendering.command:render_dataset"),
     "uq": Command(Uq, "experiments.commands.uq:uq", engine=False),
+    "part": Command(MakePart, "experiments.part.command:part"),
     "bench": Command(Bench, "experiments.commands.bench:bench"),
     "doctor": Command(Doctor, "experiments.commands.doctor:doctor", engine=False),
 }
@@ -171,6 +173,8 @@ def options(config: type[Any]) -> list[str]:
     """The options of a command; those of its groups stand among the others."""
     names: list[str] = []
     for field in dataclasses.fields(config):
+        if tyro.conf.Positional in getattr(field.type, "__metadata__", ()):
+            continue
         group = dataclasses.fields(_GROUPS[field.name]) if field.name in _GROUPS else (field,)
         names += (f"--{member.name.replace('_', '-')}" for member in group)
     return names

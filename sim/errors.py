@@ -9,6 +9,10 @@ class PartFileError(SimError, ValueError):
     """A part that is unknown, or whose file or mesh is unfit."""
 
 
+class PartExtraError(SimError, RuntimeError):
+    """What makes parts from meshes was asked for and is not installed."""
+
+
 class PlacementError(SimError, RuntimeError):
     """No room on the belt for the parts that were asked for."""
 

@@ -52,10 +52,10 @@ def export_bop(
         UsageError: an experiment does not come to the same again; the dataset is then not complete.
         GraphicsError: pictures are asked for without OpenGL.
     """
-    parts = {spec.part: load_part(spec.part).part for spec in specs}
-    numbers = {part.name: number for number, part in enumerate(parts.values(), start=1)}
+    models = {spec.part: load_part(spec.part) for spec in specs}
+    numbers = {model.part.name: number for number, model in enumerate(models.values(), start=1)}
     camera = default_camera()
-    write_models(out, {numbers[part.name]: part.mesh for part in parts.values()}, camera)
+    write_models(out, {numbers[model.part.name]: model for model in models.values()}, camera)
     results, scenes, asked, frames = _Results(camera), [], [], 0
     for scene_id, (spec, unit) in enumerate(pairs):
         of = unit.description["of"]

@@ -15,7 +15,7 @@ from experiments.exporting.mp4 import Mp4, check_av, opened_mp4
 from experiments.reading.resimulation import resimulate
 from experiments.setup.experiment import ExperimentSpec, kept_cell
 from experiments.units.unit import Unit
-from sim.model.renderer import Renderer
+from sim.runtime.pictures import Pictures
 from sim.runtime.world import World
 
 _EVERY_S = 1.0  # of the pictures that statistics are made of
@@ -69,8 +69,8 @@ def _add_experiment(files: LeRobotFiles, number: int, spec: ExperimentSpec, unit
     with ExitStack() as stack:
         see = None
         if rgb:
-            renderer, videos = stack.enter_context(_filmed(files, number, world))
-            see = Filming(world, renderer, videos, intervals, seen)
+            pictures, videos = stack.enter_context(_filmed(files, number, world))
+            see = Filming(pictures, videos, intervals, seen)
         motion = stack.enter_context(sampled(world, files.fps, see))
         resimulate(spec, unit)
     files.begin(number)
@@ -91,17 +91,17 @@ def _add_experiment(files: LeRobotFiles, number: int, spec: ExperimentSpec, unit
 
 
 @contextmanager
-def _filmed(files: LeRobotFiles, number: int, world: World) -> Iterator[tuple[Renderer, dict[str, Mp4]]]:
-    """A renderer of the world, and the videos of an experiment by the name of their camera."""
+def _filmed(files: LeRobotFiles, number: int, world: World) -> Iterator[tuple[Pictures, dict[str, Mp4]]]:
+    """What takes pictures of the world, and the videos of an experiment by the name of their camera."""
     width, height = SIZE
-    renderer = Renderer(world.mj_model, height, width)
+    pictures = Pictures(world, height, width, samples=1)
     try:
         with ExitStack() as stack:
             paths = {camera: files.folder / video_file(key, number) for camera, key in CAMERAS.items()}
             opened = {camera: opened_mp4(path, width, height, files.fps) for camera, path in paths.items()}
-            yield renderer, {camera: stack.enter_context(one) for camera, one in opened.items()}
+            yield pictures, {camera: stack.enter_context(one) for camera, one in opened.items()}
     finally:
-        renderer.close()
+        pictures.close()
 
 
 def _numbers(motion: Motion, goals: NDArray[np.float64], chosen: NDArray[np.intp], *, placed: bool) -> Numbers:

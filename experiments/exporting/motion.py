@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from experiments.exporting.mp4 import Mp4
-from sim.model.renderer import Renderer
+from sim.runtime.pictures import Pictures
 from sim.runtime.world import World
 
 Interval = tuple[float, float]  # s: its begin, and its end, which does not belong to it
@@ -69,8 +69,7 @@ class Filming:
     """Adds a picture of each camera to its video, within intervals of time.
 
     Args:
-        world: the cell.
-        renderer: of its model.
+        pictures: of the world.
         videos: by the name of the camera.
         intervals: when to film.
         keep: is given each camera's name and picture.
@@ -78,19 +77,18 @@ class Filming:
 
     def __init__(
         self,
-        world: World,
-        renderer: Renderer,
+        pictures: Pictures,
         videos: Mapping[str, Mp4],
         intervals: Sequence[Interval],
         keep: Callable[[str, NDArray[np.uint8]], None],
     ) -> None:
-        self._world, self._renderer, self._videos = world, renderer, videos
+        self._pictures, self._videos = pictures, videos
         self._intervals, self._keep = intervals, keep
 
     def __call__(self, time: float) -> None:
         """Films the moment, if it lies in an interval."""
         if any(begin <= time < end for begin, end in self._intervals):
             for camera, video in self._videos.items():
-                rgb = self._renderer.rgb(self._world.data, camera)
+                rgb = self._pictures.rgb(camera)
                 video.add(rgb)
                 self._keep(camera, rgb)

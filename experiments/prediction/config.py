@@ -18,7 +18,9 @@ class FitGap:
     """
 
     part: str = "antenna"
-    """Part that the paper's robot table has: antenna, handle."""
+    """Part: one of the paper's robot table (antenna, handle), or a TOML file of your own with --targets."""
+    targets: Path | None = None
+    """TOML file with what a robot without UQ did with the part: ap and ar, in 0..1; by default the paper's figures."""
     experiments: int = 20
     """Experiments per gap of the grid, of 8 parts each."""
     draws: int = 20
@@ -41,10 +43,10 @@ class FitGap:
         Raises:
             UsageError: says which and why.
         """
-        from experiments.results.paper import ROBOT_TABLE
+        from experiments.prediction.robot_targets import robot_targets
 
-        one_of("--part", self.part, tuple(dict.fromkeys(part for part, _ in ROBOT_TABLE)))
         all_at_least(self, experiments=2, draws=1, seed=0, jobs=0)
+        robot_targets(self.part, self.targets)
 
 
 @dataclass(frozen=True)

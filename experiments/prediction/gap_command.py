@@ -6,8 +6,8 @@ from cell.records import Tally
 from experiments.prediction.config import FitGap
 from experiments.prediction.counting import count_all
 from experiments.prediction.gap_fit import GapFit, design, fit_gap
+from experiments.prediction.robot_targets import robot_targets
 from experiments.prediction.setting import Setting
-from experiments.results.paper import ROBOT_TABLE
 from experiments.results.provenance import manifest, write_json
 from experiments.setup.checks import writable_folder
 from experiments.setup.error_models import cycled, error_model, load_ensemble
@@ -25,7 +25,8 @@ def gap(config: FitGap) -> int:
     """
     config.check()
     folder = writable_folder(config.out)
-    noise = load_part(config.part).noise
+    model = load_part(config.part)
+    noise, name = model.noise, model.part.name
     rendered = load_noise(noise)
     members = load_ensemble(noise, rendered)
     setting = Setting(load_thresholds("paper"), seed=config.seed)
@@ -36,13 +37,13 @@ def gap(config: FitGap) -> int:
     ]
     counted = [one.count for one in count_all(specs, config.workers, config.part)]
     grid = [counted[start : start + config.experiments] for start in range(0, len(specs), config.experiments)]
-    paper = ROBOT_TABLE[config.part, "none"]
+    paper = robot_targets(config.part, config.targets)
     found = fit_gap(grid, paper)
     draws = found.draw(config.draws, np.random.default_rng(np.random.SeedSequence(config.seed, spawn_key=(3,))))
     write_json(
         folder / "gap.json",
         {
-            "object": config.part,
+            "object": name,
             "paper": dict(zip(("ap", "ar"), paper, strict=True)),
             "mode": found.mode,
             "expected": dict(zip(("ap", "ar"), found.expected, strict=True)),
@@ -54,7 +55,7 @@ def gap(config: FitGap) -> int:
         },
     )
     write_json(folder / "manifest.json", {**manifest(config), "seed": config.seed})
-    print(_report(config.part, paper, grid, found))
+    print(_report(name, paper, grid, found))
     print(f"results in {folder}")
     return 0
 

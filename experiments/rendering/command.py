@@ -45,7 +45,7 @@ def render_dataset(config: RenderDataset) -> int:
         UsageError: an invalid argument.
     """
     config.check()
-    write_models(config.out, {OBJECT: load_part(config.object).part.mesh}, default_camera())
+    write_models(config.out, {OBJECT: load_part(config.object)}, default_camera())
     asked: list[bop.EvaluationTarget] = []
     try:
         for scene_id, labels in _scenes(config):

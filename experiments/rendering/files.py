@@ -9,11 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from experiments.results.provenance import write_json
-from maskval import Camera, Mesh, bop, silhouette, silhouette_boxes
-from maskval.symmetry import right_angle_symmetries
+from maskval import Camera, bop, silhouette, silhouette_boxes
 from sim.images.pictures import LabelledPicture
 from sim.instance_ids import PIXEL_CENTER
+from sim.model.parts import PartModel
 from sim.networks.ground_truth import FrameTruth
+from sim.parts.turns import model_symmetries
 
 OBJECT = 1  # the part's number in the dataset
 DEPTH_SCALE = 0.1  # mm for each step of the depth images, which then reach 6.5 m: farther than a room's corner
@@ -29,12 +30,13 @@ class Labels:
     infos: list[bop.GroundTruthInfo]
 
 
-def write_models(folder: Path, meshes: Mapping[int, Mesh], camera: Camera) -> None:
-    """Writes `models/`, with a mesh for each number of an object, and `camera.json`."""
+def write_models(folder: Path, models: Mapping[int, PartModel], camera: Camera) -> None:
+    """Writes `models/`, with the mesh of a part for each number of an object, and `camera.json`."""
     infos = {}
-    for number, mesh in meshes.items():
+    for number, model in models.items():
+        mesh = model.part.mesh
         bop.write_model(folder / "models" / f"obj_{number:06d}.ply", mesh)
-        infos[number] = mesh, bop.ModelInfo(mesh.diameter, right_angle_symmetries(mesh))
+        infos[number] = mesh, bop.ModelInfo(mesh.diameter, *model_symmetries(model.symmetries, mesh))
     bop.write_models_info(folder / "models" / "models_info.json", infos)
     intrinsics = {name: getattr(camera, name) for name in ("cx", "cy", "fx", "fy", "height", "width")}
     write_json(folder / "camera.json", {**intrinsics, "depth_scale": DEPTH_SCALE})

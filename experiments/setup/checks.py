@@ -3,6 +3,8 @@
 # ruff: noqa: PLC0415  # the engine is loaded when a job begins: --help does not wait for it, nor need OpenGL
 
 import os
+import sys
+from functools import cache
 from pathlib import Path
 from tempfile import TemporaryFile
 from typing import TYPE_CHECKING
@@ -11,6 +13,7 @@ from experiments.errors import UsageError
 
 if TYPE_CHECKING:
     from experiments.setup.thresholds import Thresholds
+    from sim.model.parts import PartModel
 
 FAILED = 3  # exit code of a command whose experiments, or some of them, failed
 _MOST = 2**31 - 1  # what the logs' columns hold
@@ -41,8 +44,18 @@ def check_part_and_method(part: str, method: str, thresholds: "Thresholds") -> s
         load_noise(model.noise)
     except SimError as error:
         raise UsageError(str(error)) from error
-    known_method(method, model.part, thresholds)
+    warn_of_part(model)
+    known_method(method, model.part, thresholds, source=part)
     return model.part.name
+
+
+@cache
+def warn_of_part(model: "PartModel") -> None:
+    """Says on stderr, once a process, what in a part's file works but is probably not meant."""
+    from sim.parts.part_checks import warnings_of
+
+    for line in warnings_of(model.part, model.resting_poses, model.pieces):
+        print(f"graspcell: warning: {model.part.name}: {line}", file=sys.stderr)
 
 
 def at_least(name: str, value: int, least: int) -> None:

@@ -25,12 +25,14 @@ class Context:
         thresholds: of all methods.
         streams: the root of the experiment's random numbers.
         latest_truth: holds the truth; for the oracles only.
+        source: name or file of the part, for commands that messages name; its name by default.
     """
 
     part: Part
     thresholds: Thresholds
     streams: Streams
     latest_truth: LatestTruth
+    source: str | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +46,11 @@ class Method:
 def _ensemble_add(context: Context) -> UncertaintyMethod:
     part, thresholds = context.part.name, context.thresholds
     if part not in thresholds.ensemble_add_minimum:
-        raise UsageError(f"the thresholds {thresholds.source} have no ensemble_add_minimum_m.{part}")
+        raise UsageError(
+            f"the thresholds {thresholds.source} have no ensemble_add_minimum_m.{part}; derive them with "
+            f"graspcell dataset --objects {context.source or part} --methods maskval ensemble-add, "
+            "and add --thresholds out/dataset/thresholds.toml"
+        )
     return Ensemble("add", minimum=thresholds.ensemble_add_minimum[part])
 
 
@@ -100,17 +106,17 @@ def make_method(name: str, context: Context) -> Method:
     if name in NEEDS_NO_THRESHOLD:
         return Method(uncertainty, Always())
     thresholds = context.thresholds
-    u_grasp = thresholds.of(context.part.name, name, own_threshold(uncertainty))
+    u_grasp = thresholds.of(context.part.name, name, own_threshold(uncertainty), source=context.source)
     return Method(uncertainty, ThresholdPolicy(u_grasp, thresholds.refine))
 
 
-def known_method(name: str, part: Part, thresholds: Thresholds) -> Method:
-    """The method outside of an experiment, to check that it exists and what it needs.
+def known_method(name: str, part: Part, thresholds: Thresholds, *, source: str | None = None) -> Method:
+    """The method outside of an experiment, to check that it exists and what it needs; `source` as in `Context`.
 
     Raises:
         UsageError: see `make_method`.
     """
-    return make_method(name, Context(part, thresholds, Streams(0, 0, part.name), LatestTruth()))
+    return make_method(name, Context(part, thresholds, Streams(0, 0, part.name), LatestTruth(), source))
 
 
 def own_threshold(uncertainty: UncertaintyMethod) -> float | None:

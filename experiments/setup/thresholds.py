@@ -39,13 +39,14 @@ class Thresholds:
     least_error: dict[str, dict[str, float]] = field(default_factory=dict)
     told: dict[str, float] = field(default_factory=dict)
 
-    def of(self, part: str, method: str, own: float | None = None) -> float:
+    def of(self, part: str, method: str, own: float | None = None, *, source: str | None = None) -> float:
         """u_t,g of one object and method.
 
         Args:
             part: the object's name.
             method: the method's name.
             own: the method's own, where there is no other.
+            source: name or file of the object, for the message; its name by default.
 
         Raises:
             UsageError: there is none.
@@ -61,7 +62,8 @@ class Thresholds:
         has = ", ".join(f"{one} × {other}" for one, row in self.grasp.items() for other in row)
         raise UsageError(
             f"the thresholds {self.source} have no grasp.{part}.{method}; they have {has}; "
-            f"give one with --u-grasp {method}=U, or derive it with graspcell dataset"
+            f"give one with --u-grasp {method}=U, or derive it with graspcell dataset --objects {source or part} "
+            f"--methods {method} and add --thresholds out/dataset/thresholds.toml"
         )
 
     def caveat(self, part: str, method: str) -> str | None:

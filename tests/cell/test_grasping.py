@@ -6,7 +6,6 @@ import pytest
 from cell.grasping import (
     APPROACH_LENGTH,
     LIFT_HEIGHT,
-    MAX_TILT,
     RELEASE_HEIGHT,
     GraspPlan,
     jaw_corners,
@@ -15,6 +14,7 @@ from cell.grasping import (
     plan_places,
 )
 from cell.layout import Gripper, Layout
+from cell.part import MAX_TILT
 from maskval import Pose
 from tests.fakes import brick, on_belt, turned
 

@@ -9,7 +9,6 @@ from cell.grasping import (
     APPROACH_LENGTH,
     HALF_TURN,
     LIFT_HEIGHT,
-    MAX_TILT,
     RELEASE_GAP,
     RELEASE_HEIGHT,
     look_at,
@@ -18,6 +17,7 @@ from cell.grasping import (
 from cell.layout import Layout
 from cell.motion import LONGEST_WAIT, WAIT_STEP, Motion, Unreachable
 from cell.motion_limits import PRESETS
+from cell.part import MAX_TILT
 from cell.viewpoints import REFINE_DISTANCE, SEARCH_DISTANCE, SEARCH_STEP, SecondLook
 from maskval import Pose
 from tests.fakes import FakeStation, brick, on_belt, small_layout, turned

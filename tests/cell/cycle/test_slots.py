@@ -142,6 +142,9 @@ def test_an_unreachable_pose_costs_the_look_moves_nothing_and_ends_no_slot():
     for attempt in experiment.attempts[:2]:
         assert (attempt.outcome, attempt.grasp, attempt.contact) == (Outcome.UNREACHABLE, None, None)
         assert attempt.start == attempt.end
+    told = [change.reason for change in experiment.transitions if change.reason.startswith("unreachable")]
+    assert len(told) == 2
+    assert "out of reach: no joint angles for" in told[0]
     assert experiment.attempts[2].start == 3 * LOOK_TIME
     assert len(experiment.referee.verdicts) == 1, "nobody needs to judge what did not happen"
 

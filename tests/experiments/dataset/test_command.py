@@ -183,7 +183,8 @@ def test_what_is_undefined_is_null(capsys: pytest.CaptureFixture[str], tmp_path:
     blind = {"mask.miss_probability": (1.0, "assumed"), "mask.false_alarms_per_image": (0.0, "assumed")}
     (tmp_path / "blind.toml").write_text(rewrite(noise_text("antenna"), blind))
     part = Path("sim/assets/parts/antenna.toml").read_text()
-    (tmp_path / "part.toml").write_text(part.replace('noise = "antenna"', f'noise = "{tmp_path}/blind.toml"'))
+    mine = part.replace('noise = "antenna"', f'noise = "{tmp_path}/blind.toml"').replace('"antenna"', '"mine"', 1)
+    (tmp_path / "part.toml").write_text(mine)
     told = run(capsys, tmp_path / "out", "--images", 2, "--jobs", 1, "--objects", tmp_path / "part.toml")
     assert told.code == 0
     row = json.loads((tmp_path / "out" / "dataset.json").read_text())["objects"][0]
@@ -191,7 +192,7 @@ def test_what_is_undefined_is_null(capsys: pytest.CaptureFixture[str], tmp_path:
     for undefined in (row["median_mdd_m"], row["ensemble_add_minimum_m"], row["methods"]["maskval"]["u_tg"]):
         assert undefined is None
     assert row["methods"]["maskval"]["spearman_ci"] is None
-    assert load_thresholds(str(tmp_path / "out" / "thresholds.toml")).grasp == {"antenna": {}}
+    assert load_thresholds(str(tmp_path / "out" / "thresholds.toml")).grasp == {"mine": {}}
 
 
 def test_it_needs_no_physics() -> None:

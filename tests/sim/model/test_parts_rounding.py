@@ -5,8 +5,8 @@ import pytest
 import trimesh
 
 import sim.model.parts
-from sim.model.part_shapes import bow_curves, fin_curves
 from sim.model.parts import load_part, resting_poses
+from sim.parts.part_shapes import bow_curves, fin_curves
 
 CURVES = {"antenna": ("fin", fin_curves), "handle": ("bow", bow_curves)}
 

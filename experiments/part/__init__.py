@@ -1,0 +1,1 @@
+"""The command `part`: a part of the user's own from a mesh, and checks of part files."""

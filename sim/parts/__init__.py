@@ -1,0 +1,1 @@
+"""Parts: their files with what is valid, meshes, made surfaces, stable poses and symmetries. No engine."""
