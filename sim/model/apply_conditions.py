@@ -19,3 +19,4 @@ def disturb(mj_model: mujoco.MjModel, conditions: Conditions) -> None:
         gloss[:] = gloss + conditions.reflections * (1.0 - gloss)
     # MuJoCo takes the larger friction of two bodies that touch, so that all of them are scaled.
     mj_model.geom_friction[:, 0] *= conditions.friction
+    mj_model.pair_friction[:, :2] *= conditions.friction  # both directions of sliding

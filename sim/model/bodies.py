@@ -1,10 +1,12 @@
 """Free parts as bodies of a MuJoCo model, and how their contacts are solved."""
 
+from itertools import product
+
 import mujoco
 import numpy as np
 
 from sim.model.parts import PartModel
-from sim.model.robot import GRIP_SOLIMP
+from sim.model.robot import GRIP_SOLIMP, GRIP_SOLREF, PAD_FRICTION, PADS, SLIP_SOLREF
 
 PART_SOLREF = (0.006, 1.0)
 FURNITURE_FRICTION = (0.7, 0.01, 0.001)
@@ -43,6 +45,11 @@ def add_part_assets(spec: mujoco.MjSpec, model: PartModel) -> None:
         convex.uservert, convex.userface = piece.vertices.ravel(), piece.faces.ravel()
 
 
+def piece_geom(index: int, piece: int) -> str:
+    """Name of a convex piece of part `index`."""
+    return f"piece_{piece}_of_{part_body(index)}"
+
+
 def add_part(spec: mujoco.MjSpec, index: int, model: PartModel, mass_scale: float = 1.0) -> None:
     """Adds a free part, whose assets `spec` has."""
     body = spec.worldbody.add_body(name=part_body(index), pos=(0.0, 2.0 + index, 1.0))
@@ -62,6 +69,7 @@ def add_part(spec: mujoco.MjSpec, index: int, model: PartModel, mass_scale: floa
     )
     for piece in range(len(model.pieces)):
         body.add_geom(
+            name=piece_geom(index, piece),
             type=mesh,
             meshname=f"{model.part.name}_piece_{piece}",
             group=3,
@@ -69,5 +77,19 @@ def add_part(spec: mujoco.MjSpec, index: int, model: PartModel, mass_scale: floa
             condim=4,
             friction=(model.friction, 0.01, 0.001),
             solref=PART_SOLREF,
+            solimp=GRIP_SOLIMP,
+        )
+
+
+def add_grips(spec: mujoco.MjSpec, index: int, model: PartModel) -> None:
+    """Has the jaws' pads hold part `index`: contacts whose friction has a reference of its own; see `SLIP_SOLREF`."""
+    for piece, pad in product(range(len(model.pieces)), PADS):
+        spec.add_pair(
+            geomname1=pad,
+            geomname2=piece_geom(index, piece),
+            condim=4,
+            friction=(PAD_FRICTION[0], *PAD_FRICTION, PAD_FRICTION[-1]),
+            solref=GRIP_SOLREF,
+            solreffriction=SLIP_SOLREF,
             solimp=GRIP_SOLIMP,
         )

@@ -20,6 +20,7 @@ from sim.model.renderer import pinhole
 TIME_STEP = 0.002  # s of the physics, and of the robot's controller
 JOINTS = ("shoulder", "upper_arm", "forearm", "wrist_1", "wrist_2", "wrist_3")  # each named as the link that it moves
 FINGERS = ("finger_left", "finger_right")
+PADS = tuple(f"{finger}_pad" for finger in FINGERS)  # what holds a part
 
 _QUARTER_Y = (np.sqrt(0.5), 0.0, np.sqrt(0.5), 0.0)
 _UPRIGHT = (1.0, 0.0, 0.0, 0.0)
@@ -60,13 +61,16 @@ _JAW_KP = 8000.0  # N/m
 _JAW_KV = 250.0  # N s/m
 _DMAX = 0.99
 GRIP_SOLIMP = (0.95, _DMAX, 0.001, 0.5, 2.0)
+GRIP_SOLREF = (2 * TIME_STEP, 1.0)  # as stiff as MuJoCo allows; in jaws, its default (0.02 s) slides out
 # MuJoCo solves a contact at the step's beginning, without the change of its direction: a part on a circular way drifts
 # in the jaws with (1/β − 1/2) dt a, where a is the centripetal acceleration and β = dt b the share of a sliding speed
-# that a step takes away. The time constant that MuJoCo allows, 2 dt, gives β = 1 and half a millimetre per transfer;
-# 1.5 a third of it. Contacts stay stable while 2 β + dt² k < 4. In jaws, MuJoCo's default (0.02 s) slides out.
-_GRIP_DAMPING = 1.5  # β
-_GRIP_STIFFNESS = 0.25  # dt² k, what a time constant of 2 dt has
-GRIP_SOLREF = (-_GRIP_STIFFNESS * (_DMAX / TIME_STEP) ** 2, -_GRIP_DAMPING * _DMAX / TIME_STEP)  # −k, −b, unscaled
+# that a step takes away. A time constant of 2 dt has β = 1, and parts slide by more than a millimetre in a transfer;
+# 1.5 a third of it. Friction is stable for β < 2. Across the contact, 1.5 throws out what the jaws pinch at an edge.
+_SLIP_DAMPING = 1.5  # β, along the contact
+_SLIP_STIFFNESS = (
+    0.25  # dt² k, what a time constant of 2 dt has; without effect, since sliding has no place to go back to
+)
+SLIP_SOLREF = (-_SLIP_STIFFNESS * (_DMAX / TIME_STEP) ** 2, -_SLIP_DAMPING * _DMAX / TIME_STEP)  # −k, −b, unscaled
 PAD_FRICTION = (1.0, 0.02, 0.002)
 
 GRIPPER_RGBA = (0.16, 0.17, 0.19, 1.0)
@@ -180,7 +184,7 @@ def _couple_jaws(spec: mujoco.MjSpec, gripper: Gripper) -> None:
         name2=FINGERS[1],
         objtype=mujoco.mjtObj.mjOBJ_JOINT,
         data=[0.0, 1.0, *([0.0] * 10)],
-        solref=(2 * TIME_STEP, 1.0),  # as stiff as MuJoCo allows
+        solref=GRIP_SOLREF,
     )
     tendon = spec.add_tendon(name="jaws")
     for name in FINGERS:

@@ -6,7 +6,7 @@ import mujoco
 
 from cell.layout import Layout
 from sim.model.apply_conditions import disturb
-from sim.model.bodies import add_part, add_part_assets, part_body, set_physics
+from sim.model.bodies import add_grips, add_part, add_part_assets, part_body, set_physics
 from sim.model.clutter import add_distractor, distractor_body, distractors_of
 from sim.model.conditions import Conditions
 from sim.model.fixtures import add_furniture
@@ -61,6 +61,7 @@ def describe_scene(
         add_part_assets(spec, model)
     for index, model in enumerate(models):
         add_part(spec, index, model, conditions.mass)
+        add_grips(spec, index, model)
     distractors = distractors_of(conditions.clutter)
     for index, thing in enumerate(distractors):
         add_distractor(spec, index, thing)

@@ -65,3 +65,9 @@ def test_a_part_that_is_never_grasped_leaves_the_belt_and_counts_as_left() -> No
 def test_with_exact_estimates_every_part_on_the_moving_belt_is_placed(part: str, speed: float) -> None:
     counts = [result(8, part, experiment, speed="ur-default", belt_speed=speed).count for experiment in range(5)]
     assert [(count.tp, count.fp, count.fn) for count in counts if count] == [(8, 0, 0)] * 5
+
+
+def test_what_the_jaws_pinch_at_an_edge_they_hold() -> None:
+    """A focal length that is 2 % too long has the jaws close 12 mm too high: on a few millimetres of the antenna."""
+    over = result(parts=8, speed="ur-default", focal_error_percent=2.0)
+    assert [attempt["outcome"] for attempt in over.tables["attempts"]] == 8 * ["placed"]

@@ -163,6 +163,13 @@ def test_friction_scales_the_force_at_which_a_part_begins_to_slide(antenna: Part
     assert pushed(world_of(antenna, friction=scale), 1.3 * limit) > 0.01
 
 
+def test_friction_scales_the_hold_of_the_jaws(antenna: PartModel) -> None:
+    usual, slippery = (world_of(antenna, **knobs).mj_model for knobs in ({}, {"friction": 0.3}))
+    assert usual.npair == 2 * len(antenna.pieces)  # two pads on every piece of the one part
+    np.testing.assert_allclose(slippery.pair_friction[:, :2], 0.3 * usual.pair_friction[:, :2], rtol=1e-12, atol=0)
+    np.testing.assert_array_equal(slippery.pair_friction[:, 2:], usual.pair_friction[:, 2:])
+
+
 def test_mass_scales_weight_and_inertia(antenna: PartModel) -> None:
     light, heavy = (world_of(antenna, **knobs) for knobs in ({}, {"mass": 2.5}))
     body = light.mj_model.body("part_0").id
