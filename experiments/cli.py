@@ -33,6 +33,7 @@ from experiments.failure import explained
 from experiments.part.config import MakePart
 from experiments.prediction.config import FitGap, Predict
 from experiments.reading.config import Query
+from experiments.reading.plan import Plan
 from experiments.rendering.config import RenderDataset
 from experiments.setup.actors import Actors
 from sim.model.conditions import Conditions
@@ -60,6 +61,7 @@ class Command(NamedTuple):
 COMMANDS = {
     "compare": Command(Compare, "experiments.commands.compare:compare"),
     "merge": Command(Merge, "experiments.commands.merge:merge"),
+    "plan": Command(Plan, "experiments.reading.plan:plan", engine=False),
     "query": Command(Query, "experiments.reading.query:query", engine=False),
     "export": Command(Export, "experiments.exporting.command:export"),
     "run": Command(Run, "experiments.commands.run:run"),

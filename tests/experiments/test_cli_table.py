@@ -37,13 +37,13 @@ def test_the_job_of_a_command_takes_its_configuration_and_returns_an_exit_code(n
 
 
 def test_no_two_commands_share_a_configuration() -> None:
-    assert len(COMMANDS) == 17
+    assert len(COMMANDS) == 18
     assert len({one.config for one in COMMANDS.values()}) == len(COMMANDS)
 
 
 def test_commands_that_need_no_engine_do_not_load_it() -> None:
     light = [one.job.partition(":")[0] for one in COMMANDS.values() if not one.engine]
-    assert len(light) == 5
+    assert len(light) == 6
     loaded = loaded_by(f"import {', '.join(light)}")
     assert set(light) <= loaded
     assert "mujoco" not in loaded
