@@ -19,7 +19,7 @@ PAGES = {
     "uq-methods.md": 3,
     "datasets.md": 2,
     "gym.md": 3,
-    "statistics.md": 1,
+    "statistics.md": 3,
     "run-thousands.md": 4,
 }
 SHOWN = ("text", "make")  # what needs other programs: see test_run_thousands.py
