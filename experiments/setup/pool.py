@@ -76,7 +76,7 @@ def _completed_in_a_pool(
     with _pool(min(jobs, len(left))) as pool:
         while left or under_way:
             while left and len(under_way) < jobs + 1:  # one ahead, so that no worker waits
-                with _interrupts_ignored():
+                with _interrupts_held_back():
                     under_way[pool.submit(job, left[0])] = left[0]
                 left.popleft()
             for future in wait(under_way, return_when=FIRST_COMPLETED).done:
@@ -87,7 +87,7 @@ def _completed_in_a_pool(
 def _alone(job: Callable[[Task], Result], task: Task) -> Result | Died:
     try:
         with _pool(1) as pool:
-            with _interrupts_ignored():
+            with _interrupts_held_back():
                 future = pool.submit(job, task)
             return future.result()
     except BrokenProcessPool:
@@ -103,7 +103,7 @@ def workers(jobs: int) -> Iterator[Run]:
     with _pool(jobs) as pool:
 
         def run(job: Callable[[Task], Result], tasks: Sequence[Task]) -> Iterator[Result]:
-            with _interrupts_ignored():
+            with _interrupts_held_back():
                 futures = deque(pool.submit(job, task) for task in tasks)
             return (futures.popleft().result() for _ in tasks)  # what was yielded is forgotten
 
@@ -122,7 +122,7 @@ def _pool(jobs: int) -> Iterator[ProcessPoolExecutor]:
     for name in ONE_THREAD:
         os.environ.setdefault(name, "1")
     before = set(multiprocessing.active_children())
-    pool = ProcessPoolExecutor(jobs, multiprocessing.get_context("spawn"), initializer=_end_with_parent)
+    pool = ProcessPoolExecutor(jobs, multiprocessing.get_context("spawn"), initializer=_begin_worker)
     try:
         yield pool
     except BaseException:
@@ -134,6 +134,12 @@ def _pool(jobs: int) -> Iterator[ProcessPoolExecutor]:
         pool.shutdown()
 
 
+def _begin_worker() -> None:
+    """Leaves Ctrl-C to the parent, and ends with it."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    _end_with_parent()
+
+
 def _end_with_parent() -> None:
     """Ends this process when its parent has ended, for whatever reason; otherwise it would go on without use."""
     parent = multiprocessing.parent_process()
@@ -143,10 +149,10 @@ def _end_with_parent() -> None:
 
 
 @contextmanager
-def _interrupts_ignored() -> Iterator[None]:
-    """Processes started meanwhile ignore Ctrl-C, which a terminal sends to all: the parent ends them."""
-    previous = signal.signal(signal.SIGINT, signal.SIG_IGN)
+def _interrupts_held_back() -> Iterator[None]:
+    """Processes started meanwhile do not hear Ctrl-C, which a terminal sends to all; this one hears it afterwards."""
+    previous = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield
     finally:
-        signal.signal(signal.SIGINT, previous)
+        signal.pthread_sigmask(signal.SIG_SETMASK, previous)

@@ -56,7 +56,10 @@ def test_the_markers_of_the_readme_enclose_the_table_and_the_listing() -> None:
 @pytest.mark.study
 def test_make_run_prints_the_table_of_the_readme(tmp_path: Path) -> None:
     (line,) = re.findall(r"^\t\$\(BIN\)/graspcell (compare .*) --out \$\(OUT\)$", (ROOT / "Makefile").read_text(), re.M)
-    assert_shows(f"{block('table')}120 experiments expected = 120 completed + 0 failed; results in {tmp_path}\n", printed([*shlex.split(line), "--out", str(tmp_path)]))
+    assert_shows(
+        f"{block('table')}120 experiments expected = 120 completed + 0 failed; results in {tmp_path}\n",
+        printed([*shlex.split(line), "--out", str(tmp_path)]),
+    )
 
 
 @pytest.mark.study

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from experiments.setup import pool
 from experiments.setup.pool import run_all
 
 
@@ -101,3 +102,15 @@ def wait_until(holds: Callable[[], bool]) -> None:
     while not holds():
         assert time.monotonic() < end, "waited for 30 s"
         time.sleep(0.05)
+
+
+def test_an_interrupt_while_a_task_is_handed_over_is_heard_afterwards() -> None:
+    heard = []
+    try:
+        with pool._interrupts_held_back():
+            os.kill(os.getpid(), signal.SIGINT)
+            heard.append("held back")
+        heard.append("lost")
+    except KeyboardInterrupt:
+        heard.append("heard")
+    assert heard == ["held back", "heard"]
