@@ -44,7 +44,7 @@ def export_lerobot(out: Path, pairs: Iterable[tuple[ExperimentSpec, Unit]], *, f
     return f"{files.episodes} episodes with {files.frames} frames"
 
 
-@dataclass(slots=True)
+@dataclass(slots=True, eq=False)
 class _Seen:
     """Some of the pictures that were filmed, coarser, by the camera and the number of the frame in its video."""
 

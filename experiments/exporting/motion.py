@@ -14,7 +14,7 @@ from sim.runtime.world import World
 Interval = tuple[float, float]  # s: its begin, and its end, which does not belong to it
 
 
-@dataclass(slots=True)
+@dataclass(slots=True, eq=False)
 class Motion:
     """Samples of an experiment, S of them.
 

@@ -7,7 +7,7 @@ import json
 import os
 import shutil
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any, Self
 
@@ -31,7 +31,7 @@ _WRITTEN = (
 )
 
 
-@dataclass(slots=True)
+@dataclass(frozen=True, slots=True)
 class Asked:
     """A cell of the table that was asked for.
 
@@ -103,18 +103,19 @@ class RunFolder:
         Raises:
             UsageError: the folder's experiments are of another kind; the message says what differs.
         """
-        for cell in cells:
-            cell.options = cell.options or options
+        for asked in cells:
+            cell = replace(asked, options=asked.options or options)
             if self.asked:
                 self._check(self.asked[0].description["common"], cell.description["common"], "")
-            known = next((one for one in self.asked if one.of == cell.of), None)
-            if known is None:
+            at = next((at for at, one in enumerate(self.asked) if one.of == cell.of), None)
+            if at is None:
                 self.asked.append(cell)
                 continue
+            known = self.asked[at]
             for key in ("cell", "noise"):
                 name = " × ".join(cell.of[key] for key in ("object", "method", "policy"))
                 self._check({key: known.description[key]}, {key: cell.description[key]}, f" of {name}")
-            known.experiments, known.options = max(known.experiments, cell.experiments), cell.options
+            self.asked[at] = replace(cell, experiments=max(known.experiments, cell.experiments))
         self.options = options
         self._write_asked()
 

@@ -28,7 +28,7 @@ _SHOWN_FOR = 1.5  # s of the cell's clock that an outcome is shown
 _LOOK_SAMPLES = FINE_SAMPLES // 6
 
 
-@dataclass(slots=True)
+@dataclass(slots=True, eq=False)
 class _Cameras:
     """The pictures of one experiment; those of a moment at which nothing has moved are kept."""
 

@@ -132,7 +132,10 @@ def test_compare_with_the_fitted_gap_runs_the_predictions_worlds(tmp_path) -> No
         (["predict", "--objects", "brick"], "unknown objects 'brick': expected one of antenna, handle"),
         (["predict", "--worlds", "0"], "expected --worlds of at least 1"),
         (["predict", "--gap", "nowhere.json"], "no gap for antenna in nowhere.json"),
-        (["gap", "--part", "brick"], "unknown part 'brick': expected one of antenna, handle"),
+        (
+            ["gap", "--part", "brick"],
+            "the paper has no figures of 'brick': expected one of antenna, handle, or a part file",
+        ),
         (["gap", "--experiments", "1"], "expected --experiments of at least 2"),
     ],
 )

@@ -101,7 +101,6 @@ def test_options_that_do_not_lead_to_the_units_are_refused(
 ) -> None:
     shutil.copytree(small_run, tmp_path / "run")
     folder = RunFolder.read(tmp_path / "run")
-    for cell in folder.asked:
-        cell.options = {**cell.options, **options} if options else {}
+    folder.asked = [replace(cell, options={**cell.options, **options} if options else {}) for cell in folder.asked]
     with pytest.raises(UsageError, match=words):
         finished(folder)
