@@ -66,7 +66,10 @@ def test_a_script_that_runs_outside_a_job_says_which_variable_is_missing(script:
 def test_the_makefile_of_the_page_runs_every_shard_and_joins_them(tmp_path: Path) -> None:
     (code,) = re.findall(r"^```make\n(.*?)^```$", PAGE, re.MULTILINE | re.DOTALL)
     (tmp_path / "shards.mk").write_text(code)
-    make = subprocess.run(["make", "-nf", "shards.mk"], cwd=tmp_path, capture_output=True, text=True, check=True)
+    environment = {"PATH": os.environ["PATH"]}  # without the flags of a make that runs the tests
+    make = subprocess.run(
+        ["make", "-nf", "shards.mk"], cwd=tmp_path, env=environment, capture_output=True, text=True, check=True
+    )
     *shards, joined = [shlex.split(line.partition(" && ")[0]) for line in make.stdout.splitlines()]
     configs = [parse(arguments) for _, *arguments in shards]
     assert sorted(config.share for config in configs) == [(number, 20) for number in range(1, 21)]

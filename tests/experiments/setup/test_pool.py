@@ -1,6 +1,7 @@
 import multiprocessing
 import os
 import signal
+import threading
 import time
 from collections.abc import Callable
 from concurrent.futures.process import BrokenProcessPool
@@ -104,7 +105,11 @@ def wait_until(holds: Callable[[], bool]) -> None:
         time.sleep(0.05)
 
 
-def test_an_interrupt_while_a_task_is_handed_over_is_heard_afterwards() -> None:
+@pytest.mark.parametrize("other_threads", [0, 1])
+def test_an_interrupt_while_a_task_is_handed_over_is_heard_afterwards(other_threads: int) -> None:
+    done = threading.Event()  # a signal to a process goes to any of its threads that does not block it
+    for _ in range(other_threads):
+        threading.Thread(target=done.wait, daemon=True).start()
     heard = []
     try:
         with pool._interrupts_held_back():
@@ -113,4 +118,5 @@ def test_an_interrupt_while_a_task_is_handed_over_is_heard_afterwards() -> None:
         heard.append("lost")
     except KeyboardInterrupt:
         heard.append("heard")
+    done.set()
     assert heard == ["held back", "heard"]
