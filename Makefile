@@ -6,7 +6,7 @@ OUT ?= out/compare
 READY := $(VENV)/.ready
 COMPILED := $(VENV)/.compiled
 
-.PHONY: run test check study thresholds goldens picture opengl clean
+.PHONY: run test check site study thresholds goldens picture opengl clean
 
 run: $(COMPILED)
 	$(BIN)/graspcell compare --gap fitted --thresholds paper --experiments 20 --out $(OUT)
@@ -19,6 +19,11 @@ check: $(READY)
 	$(BIN)/ruff check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+	$(MAKE) site
+
+# The pages of docs and the reference in out/site; a warning is an error.
+site: $(READY)
+	NO_MKDOCS_2_WARNING=1 PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/mkdocs build
 
 # The thresholds that `compare` takes by default, for the error models as they are: some 10 minutes on 2 cores.
 thresholds: $(COMPILED)

@@ -130,7 +130,7 @@ class Observation:
     Attributes:
         frame: the picture.
         detections: what was found, best score first.
-        poses: poses[e][i] is estimator e's X_CO_est of detection i; estimator 0's is the one to act upon.
+        poses: `poses[e][i]` is estimator e's X_CO_est of detection i; estimator 0's is the one to act upon.
         uncertainties: u of each detection, (N,) in [0, 1].
         refining: whether this frame was taken to have another look.
         time_left: s until the part's time is up; an attempt that begins before is finished.

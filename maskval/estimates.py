@@ -20,7 +20,7 @@ class Estimates:
         camera: Intrinsics and image size.
         mesh: The part.
         masks: The detector's masks, (N, H, W), bool.
-        poses: poses[e][i] is estimator e's pose X_CO of detection i, made from mask i; estimator 0 is the one used.
+        poses: `poses[e][i]` is estimator e's pose X_CO of detection i, made from mask i; estimator 0 is the one used.
         scores: The detector's confidences, (N,).
         pixel_center: Where pixel i of the images is sampled, u = i + pixel_center.
         depth: Measured z-depth, (H, W), metres, 0 where nothing was measured; None without a depth camera.
