@@ -23,6 +23,9 @@ PAGES = {
     "statistics.md": 3,
     "run-thousands.md": 4,
 }
+# Those of the other pages run in tests/docs/test_add_your_own.py, tests/experiments/reading/test_questions.py and
+# tests/experiments/part/test_command.py.
+ELSEWHERE = {"add-your-own.md", "query.md", "logs.md", "cell.md"}
 SHOWN = ("text", "make")  # what needs other programs: see test_run_thousands.py
 BLOCK = re.compile(r"^```(\w+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
@@ -44,6 +47,13 @@ def example_data() -> dict[str, object]:
         "errors_m": np.array([[mdd(X, truth, vertices) for truth in truths] for X in poses]),
         "visibility": np.ones(3),
     }
+
+
+def test_every_page_with_code_is_run() -> None:
+    with_code = {
+        path.name for path in DOCS.rglob("*.md") if re.search(r"^```(python|sh)$", path.read_text(), re.MULTILINE)
+    }
+    assert with_code == {*PAGES, *ELSEWHERE}
 
 
 @pytest.mark.parametrize(("page", "count"), PAGES.items())

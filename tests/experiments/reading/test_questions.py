@@ -12,7 +12,8 @@ from experiments.reading.query import ask, opened
 from experiments.reading.run import Run
 from tests.experiments.reading.runs import run_of
 
-PAGE = (Path(__file__).parents[3] / "docs" / "query.md").read_text(encoding="utf-8")
+DOCS = Path(__file__).parents[3] / "docs"
+PAGE = (DOCS / "query.md").read_text(encoding="utf-8")
 QUESTIONS = dict(re.findall(r"^\*\*(.*?)\*\*.*?^```sql\n(.*?)^```$", PAGE, re.MULTILINE | re.DOTALL))
 Rows = list[tuple[Any, ...]]
 
@@ -44,15 +45,35 @@ def test_the_page_has_ten_questions() -> None:
     assert len(QUESTIONS) == PAGE.count("```sql") == 10
 
 
-def test_the_code_of_the_page_runs(
-    small_run: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+@pytest.fixture
+def beside_the_run(small_run: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The working folder is one in which `make run` has made a run."""
     (tmp_path / "out").mkdir()
     (tmp_path / "out" / "compare").symlink_to(small_run)
     monkeypatch.chdir(tmp_path)
-    (code,) = re.findall(r"^```python\n(.*?)^```$", PAGE, re.MULTILINE | re.DOTALL)
-    exec(compile(code, "query.md", "exec"), {})
+
+
+def execute(page: str) -> None:
+    """Runs the only block of Python of a page."""
+    text = (DOCS / page).read_text(encoding="utf-8")
+    (code,) = re.findall(r"^```python\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
+    exec(compile(code, page, "exec"), {})
+
+
+@pytest.mark.usefixtures("beside_the_run")
+def test_the_code_of_the_page_runs(capsys: pytest.CaptureFixture[str]) -> None:
+    execute("query.md")
     assert capsys.readouterr().out.endswith("the uncertainty decided upon\n")
+
+
+@pytest.mark.usefixtures("beside_the_run")
+def test_the_code_of_the_page_on_logs_prints_a_line_for_each_attempt(
+    run: Run, capsys: pytest.CaptureFixture[str]
+) -> None:
+    execute("logs.md")
+    lines = capsys.readouterr().out.splitlines()
+    assert len(lines) == len(run.attempts) > 0
+    assert all("true_mdd_m" in line for line in lines)
 
 
 def test_ap_and_ar_of_each_method(run: Run) -> None:
