@@ -23,13 +23,8 @@ _UNSAFE = {ord(sign): f"\\u{ord(sign):04x}" for sign in "<>&\u2028\u2029"}  # wi
 Names = Mapping[tuple[str, str], str]
 
 
-def page(sources: Sequence[Source], pictureless: str) -> str:
-    """The page.
-
-    Args:
-        sources: the runs, each with its name.
-        pictureless: why an attempt has no pictures, for those without.
-    """
+def page(sources: Sequence[Source]) -> str:
+    """The page of runs, each with its name."""
     names = _names(sources)
     filled = {
         "title": escape(" and ".join(source.name for source in sources)),
@@ -42,7 +37,7 @@ def page(sources: Sequence[Source], pictureless: str) -> str:
         "forest": "".join(_forest(source, names, named=len(sources) > 1) for source in sources),
         "charts": "".join(_charts(source, names, named=len(sources) > 1) for source in sources),
         "origin": "".join(_origin(source) for source in sources),
-        "data": as_script(_data(sources, pictureless)),
+        "data": as_script(_data(sources)),
         "script": _texts(_PROGRAMS),
     }
     whole = _text("page.html")
@@ -55,16 +50,20 @@ def as_script(content: Any) -> str:
     return json.dumps(content, ensure_ascii=False, allow_nan=False, separators=(",", ":")).translate(_UNSAFE)
 
 
-def _data(sources: Sequence[Source], pictureless: str) -> dict[str, Any]:
+def _data(sources: Sequence[Source]) -> dict[str, Any]:
     whos = _whos(sources)
     methods = [method for method, _ in whos]
     return {
         "runs": [
-            {"name": source.name, "seed": source.folder.asked[0].description["common"]["seed"]} for source in sources
+            {
+                "name": source.name,
+                "seed": source.folder.asked[0].description["common"]["seed"],
+                "pictured": source.pictured,
+            }
+            for source in sources
         ],
         "phases": PHASES,
         "several": sorted({method for method in methods if methods.count(method) > 1}),
-        "pictureless": pictureless,
         "experiments": [{"r": place, **one} for place, source in enumerate(sources) for one in source.experiments],
     }
 
@@ -147,6 +146,7 @@ def _origin(source: Source) -> str:
         ("seed", common["seed"]),
         ("experiments", f"{source.summary.completed} with a result, {len(source.summary.failures)} without"),
         ("time of the cell", f"{simulated / 3600:.1f} h"),
+        ("pictures", source.pictured),
     )
     listed = "".join(f"<dt>{escape(name)}</dt><dd>{escape(str(value))}</dd>" for name, value in rows)
     command = repeat(source.folder.options, per_cell)

@@ -29,6 +29,7 @@ class Source:
         experiments: of those with a result or a failure, what happened, as the page's JSON has it.
         total: how many the run has; more than `experiments` where the page would be too large.
         notes: what cannot be shown, and why.
+        pictured: how many items have pictures, in words.
     """
 
     name: str
@@ -37,6 +38,7 @@ class Source:
     experiments: list[Rows]
     total: int
     notes: list[str] = field(default_factory=list)
+    pictured: str = "No attempt was simulated again for pictures."
 
     @property
     def as_paper(self) -> bool:

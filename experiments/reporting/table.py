@@ -27,9 +27,9 @@ _WORDS = ("run", "part", "method")
 LEGEND = (
     "AP = TP / (TP + FP) and AR = TP / (TP + FN), means over experiments; in brackets 95 % intervals, as whiskers on "
     "the bars; red ticks and “paper”: the paper's robot. Placed: parts (TP). Failed: attempts (FP), on so many parts. "
-    "Left: parts on the belt (FN). Void attempts and time-outs cost only time. Runs: experiments with a result. ≈: rows "
-    "of one part that share a letter cannot be told apart in parts placed (5 %, Holm). s/part: time of the cell per "
-    "placed part."
+    "Left: parts on the belt (FN). Void attempts and time-outs cost only time. Runs: experiments with a result. ≈: "
+    "rows of one part that share a letter cannot be told apart in parts placed (5 %, Holm). s/part: time of the cell "
+    "per placed part."
 )
 
 

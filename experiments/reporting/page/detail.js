@@ -75,7 +75,7 @@ function openItem(experiment, item) {
   const hasPart = item.part !== null && item.part !== undefined;
   show(`${experiment.o} · ${nameAndRun(experiment)} · experiment ${experiment.e} · ${which}`, make("span", { class: `badge ${item.k}` }, item.out), shown < 0 ? [] : [["← previous", go(shown - 1)], ["next →", go(shown + 1)]],
     make("p", { class: "why" }, item.why), film(item),
-    item.mask !== undefined && !item.truth ? make("p", { class: "small" }, page.pictureless) : null,
+    item.mask !== undefined && !item.truth ? make("p", { class: "small" }, `No pictures of this one: ${runOf(experiment).pictured} report --pictures N makes more.`) : null,
     make("div", { class: "columns" }, make("div", {}, make("h3", {}, "Facts"), facts(experiment, item)),
       make("div", {}, make("h3", {}, "The same part under every method"), hasPart ? everyMethod(experiment, item.part) : make("p", {}, "No part is shown by the detection."))),
     make("h3", {}, "The experiment"), timeline(experiment, item), make("h3", {}, "Show it again as a video"), command(replay));
