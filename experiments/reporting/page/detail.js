@@ -8,13 +8,13 @@ function frameOf(title, picture, caption) {
 
 // The film strip of an attempt: what the camera saw, what the networks made of it, and how it was.
 function film(item) {
-  const strip = make("div", { class: "strip-of-film" });
+  const strip = make("div", { class: item.wrist ? "strip-of-film" : "strip-of-film three" });
   if (item.mask === undefined) return strip;
   const box = crop(item), whole = [0, 0, WIDTH, HEIGHT];
   const bound = item.th === null || item.th === undefined ? "no threshold" : `threshold ${item.th.toFixed(2)}`;
   if (item.overview) strip.append(frameOf("Overview", make("img", { src: item.overview, alt: "the cell at the grasp" }), item.moment));
   const others = outlined((item.others || []).join(""), "others");
-  if (item.wrist) strip.append(frameOf("Wrist camera at the look", drawing(item, whole, "wrist camera", [pictured(item), outlined(item.mask, "mask"), outlined(item.model, "model")]), "Orange: the mask decided upon. Cyan: the model at the estimated pose."));
+  if (item.wrist) strip.append(frameOf("Wrist camera", drawing(item, whole, "wrist camera", [pictured(item), outlined(item.mask, "mask"), outlined(item.model, "model")]), "At the look. Orange: the mask decided upon. Cyan: the model at the estimated pose."));
   strip.append(
     frameOf("1 Detection", drawing(item, box, "detection", [pictured(item), others, outlined(item.mask, "mask")]), "The detected mask; grey: other detections."),
     frameOf("2 Projection", drawing(item, box, "projection", [pictured(item), outlined(item.model, "model filled")]), `The model at the estimated pose; v = ${decimal(item.v, 2)} of it is in the picture.`),

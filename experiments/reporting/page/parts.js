@@ -1,4 +1,5 @@
 "use strict";
+const FATES = { placed: "placed", failed: "failed", both: "failed, then placed", cost: "attempts met nothing", left: "left on the belt" };
 const SIGNS = { placed: "✓", failed: "✕", both: "", cost: "○", left: "" };
 
 // What a part came to in an experiment: placed, failed, both, cost (its attempts met nothing), or left.
@@ -58,7 +59,7 @@ function stripOf(experiment) {
   if (!experiment) return strip;
   for (let part = 0; part < experiment.parts; part++) {
     const fate = fateOf(experiment, part);
-    const label = `${nameOf(experiment)}, experiment ${experiment.e}, part ${part}: ${fate}`;
+    const label = `${nameOf(experiment)}, experiment ${experiment.e}, part ${part}: ${FATES[fate]}`;
     strip.append(make("button", { type: "button", class: `square ${fate}`, title: label, "aria-label": label, onclick: () => { location.hash = addressOfPart(experiment, part); } }, SIGNS[fate]));
   }
   return strip;
@@ -78,17 +79,23 @@ function historyOf(experiment, part) {
   return { events: events.sort((a, b) => a.time - b.time), passed, bestU };
 }
 
-// Refusals one after the other as one event.
+// Refusals and second looks one after the other as one event, where they are many.
 function merged(events) {
   const found = [];
   for (const event of events) {
     const last = found[found.length - 1];
-    if (last && last.action === "search" && event.action === "search") {
-      last.times += 1;
-      if (event.u < last.u) Object.assign(last, { u: event.u, threshold: event.threshold, error: event.error });
-    } else found.push({ ...event, times: 1 });
+    if (event.item || event.action === "grasp" || !last || !last.run) found.push({ ...event, run: event.action === "search" || event.action === "refine" ? [event] : null });
+    else last.run.push(event);
   }
-  return found;
+  return found.flatMap((event) => (event.run && event.run.length <= 3 ? event.run : [event]));
+}
+
+function summaryOf(events) {
+  const refused = events.filter((event) => event.action === "search"), again = events.length - refused.length;
+  const least = Math.min(...events.map((event) => event.u));
+  const errors = events.map((event) => event.error);
+  const looks = again ? ` and looked at again ${again} times` : "";
+  return `${events[0].time.toFixed(1)} to ${events[events.length - 1].time.toFixed(1)} s: refused ${refused.length} times${looks}, least u ${least.toFixed(2)} (${Math.min(...errors).toFixed(1)} to ${Math.max(...errors).toFixed(1)} mm off)`;
 }
 
 function chipOf(experiment, event) {
@@ -96,8 +103,9 @@ function chipOf(experiment, event) {
     const force = event.item.force === null ? "" : `, ${event.item.force.toFixed(0)} N`;
     return make("a", { class: `chip ${event.item.k}`, href: addressOf(experiment, event.item) }, `${event.time.toFixed(1)} s ${event.item.out}${force}`);
   }
+  if (event.run && event.run.length > 3) return make("span", { class: "chip search" }, summaryOf(event.run));
   const bound = event.threshold === null ? "" : event.action === "search" ? ` > ${event.threshold.toFixed(2)}` : ` ≤ ${event.threshold.toFixed(2)}`;
-  const what = { grasp: "grasp", refine: "look again", search: event.times > 1 ? `refuse, ${event.times} times, least u told` : "refuse" }[event.action];
+  const what = { grasp: "grasp", refine: "look again", search: "refuse" }[event.action];
   return make("span", { class: `chip ${event.action}` }, `${event.time.toFixed(1)} s u ${decimal(event.u, 2)}${bound}: ${what} (${millimetres(event.error)} off)`);
 }
 
@@ -106,13 +114,9 @@ function parting(experiments, part) {
   const first = experiments.map((one) => [nameAndRun(one), historyOf(one, part).events.find((event) => event.action)]);
   const words = { grasp: "grasped it", refine: "looked at it again", search: "refused it" };
   const actions = distinct(first.map(([, event]) => (event ? event.action : "none")));
-  const fates = distinct(experiments.map((one) => fateOf(one, part)));
   if (experiments.length < 2) return "Only one method met this part.";
-  if (actions.length > 1) {
-    const told = first.map(([name, event]) => (event ? `${name} ${words[event.action]} (u ${decimal(event.u, 2)}, ${millimetres(event.error)} off)` : `${name} never decided about it`));
-    return `They parted at their first decision about it: ${told.join("; ")}.`;
-  }
-  return fates.length > 1 ? "Their first decisions were the same kind; what followed was not." : "All came to the same.";
+  const told = first.map(([name, event]) => (event ? `${name} ${words[event.action]} (u ${decimal(event.u, 2)}, ${millimetres(event.error)} off)` : `${name} never decided about it`));
+  return `${actions.length > 1 ? "They parted at their first decision about it" : "First decisions about it"}: ${told.join("; ")}.`;
 }
 
 const nameAndRun = (experiment) => (severalRuns ? `${nameOf(experiment)} (${runOf(experiment).name})` : nameOf(experiment));
@@ -125,7 +129,7 @@ function everyMethod(experiment, part) {
     const also = passed ? `seen in ${passed} other looks${bestU === null ? "" : `, least u ${bestU.toFixed(2)}`}` : null;
     const chips = make("div", { class: "chips" }, ...merged(events).map((event) => chipOf(one, event)), also ? make("span", { class: "chip" }, also) : null);
     if (!events.length && !also) chips.append(make("span", { class: "chip" }, "no look showed it"));
-    box.append(make("div", { class: "who" }, make("b", {}, `${nameAndRun(one)}: ${fateOf(one, part) === "both" ? "failed, then placed" : fateOf(one, part)}`), chips));
+    box.append(make("div", { class: "who" }, make("b", {}, `${nameAndRun(one)}: ${FATES[fateOf(one, part)]}`), chips));
   }
   return box;
 }
