@@ -1,9 +1,9 @@
 """`graspcell report`: one page that shows what runs came to, and why."""
 
+from experiments.reporting.assemble import page
 from experiments.reporting.config import Report
-from experiments.reporting.illustrated import Asked, illustrate
-from experiments.reporting.page import page
-from experiments.reporting.source import read_sources
+from experiments.reporting.data.source import read_sources
+from experiments.reporting.pictures.illustrate import Asked, illustrate
 from experiments.results.files import write_text
 from experiments.setup.checks import worker_count
 

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from html import escape
 
-from experiments.reporting.source import Source
+from experiments.reporting.data.source import Source
 from experiments.results.paper import ROBOT_TABLE
 from experiments.results.report import percent, percents
 from experiments.results.table import Cell, Interval

@@ -52,7 +52,9 @@ def test_the_numbers_are_those_of_table_json(opened: Chrome, small_run: Path) ->
     shown = opened.find_elements(By.CSS_SELECTOR, "table.rates tbody tr")
     assert len(shown) == len(cells) == 2
     for row, cell in zip(shown, cells, strict=True):
-        text = {key: row.find_element(By.CSS_SELECTOR, f'[data-key="{key}"]').text for key in cell if _is_shown(row, key)}
+        text = {
+            key: row.find_element(By.CSS_SELECTOR, f'[data-key="{key}"]').text for key in cell if _is_shown(row, key)
+        }
         for key in ("object", "method", "tp", "fp", "fn", "void", "timeouts", "experiments", "parts_failed"):
             assert text[key] == str(cell[key])
         for key in ("ap", "ar"):
@@ -109,7 +111,9 @@ def test_an_address_leads_to_a_part_under_every_method(opened: Chrome, page: Pat
     assert methods == ["none", "maskval"]
 
 
-@pytest.mark.parametrize("wrong", ["#antenna/maskval/0/0", "#handle/maskval/99/0", "#handle/none/0/99", "#a/%E0%A4/1/2"])
+@pytest.mark.parametrize(
+    "wrong", ["#antenna/maskval/0/0", "#handle/maskval/99/0", "#handle/none/0/99", "#a/%E0%A4/1/2"]
+)
 def test_an_address_that_leads_nowhere_is_said(opened: Chrome, page: Path, wrong: str) -> None:
     opened.get("about:blank")
     opened.get(page.as_uri() + wrong)

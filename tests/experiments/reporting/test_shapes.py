@@ -3,7 +3,7 @@ import re
 import numpy as np
 
 from cell.part import Part
-from experiments.reporting.shapes import outline, projected, silhouette_outline
+from experiments.reporting.data.shapes import outline, projected, silhouette_outline
 from maskval import Camera, Mesh, Pose, mask_iou, silhouette
 from sim.instance_ids import PIXEL_CENTER
 from tests.experiments.reporting.drawn import filled

@@ -4,7 +4,7 @@ import pytest
 
 from cell.interfaces import Outcome
 from cell.records import Tally
-from experiments.reporting.words import kind_of, verdict, why_attempt, why_time_out
+from experiments.reporting.data.words import kind_of, verdict, why_attempt, why_time_out
 from experiments.results.table import Cell, make_cell
 
 STRUCK = {

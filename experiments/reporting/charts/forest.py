@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 
-from experiments.reporting.svg import Plot, figure, linear, steps
+from experiments.reporting.charts.svg import Plot, figure, linear, steps
 from experiments.results.paired import Paired
 
 _ROW, _NAMES, _WIDTH, _LEFT = 26, 96, 190, 12

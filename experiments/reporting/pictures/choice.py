@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import chain, zip_longest
 
-from experiments.reporting.happened import Rows
+from experiments.reporting.data.happened import Rows
 
 Place = tuple[int, int]  # of an item: number of its experiment in the list, and number of the item in that
 _FAILURES = ("failed", "time-out")

@@ -5,8 +5,8 @@ from typing import Any
 
 from cell.layout import default_camera
 from cell.part import Part
-from experiments.reporting.shapes import outline, projected
-from experiments.reporting.words import kind_of, why_attempt, why_time_out
+from experiments.reporting.data.shapes import outline, projected
+from experiments.reporting.data.words import kind_of, why_attempt, why_time_out
 from experiments.units.summary import of
 from experiments.units.unit import Unit
 from maskval import Pose, mask_from_rle

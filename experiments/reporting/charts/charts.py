@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import gaussian_kde
 
-from experiments.reporting.happened import PHASES, Rows
-from experiments.reporting.seen import Seen, evaluation_of, seen_of
-from experiments.reporting.svg import Plot, figure, linear, logarithmic, steps
+from experiments.reporting.charts.seen import Seen, evaluation_of, seen_of
+from experiments.reporting.charts.svg import Plot, figure, linear, logarithmic, steps
+from experiments.reporting.data.happened import PHASES, Rows
 from maskval import recall_curve
 from maskval.evaluation.summary import ERROR_THRESHOLD_M
 

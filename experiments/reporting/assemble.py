@@ -6,13 +6,13 @@ from html import escape
 from importlib.resources import files
 from typing import Any
 
-from experiments.reporting.charts import charts
-from experiments.reporting.command_lines import changes, repeat
-from experiments.reporting.forest import forest
-from experiments.reporting.happened import PHASES
-from experiments.reporting.source import Source, cells_by_object
+from experiments.reporting.charts.charts import charts
+from experiments.reporting.charts.forest import forest
+from experiments.reporting.data.command_lines import changes, repeat
+from experiments.reporting.data.happened import PHASES
+from experiments.reporting.data.source import Source, cells_by_object
+from experiments.reporting.data.words import verdict
 from experiments.reporting.table import LEGEND, table
-from experiments.reporting.words import verdict
 from experiments.results.paired import have_several_policies
 from experiments.results.provenance import manifest
 

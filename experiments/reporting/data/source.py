@@ -5,8 +5,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from experiments.reporting.command_lines import object_of, replay
-from experiments.reporting.happened import Rows, experiment_of
+from experiments.reporting.data.command_lines import object_of, replay
+from experiments.reporting.data.happened import Rows, experiment_of
 from experiments.results.provenance import config_as_json
 from experiments.units.run_folder import Asked, RunFolder
 from experiments.units.summary import Summary, counted_of, summary_of

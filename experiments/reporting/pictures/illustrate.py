@@ -7,10 +7,10 @@ from tqdm import tqdm
 
 from experiments.errors import UsageError
 from experiments.reading.resimulation import Choice, finished
-from experiments.reporting.choice import by_experiment, chosen
-from experiments.reporting.happened import Rows
-from experiments.reporting.pictures import Task, take_pictures
-from experiments.reporting.source import Source
+from experiments.reporting.data.happened import Rows
+from experiments.reporting.data.source import Source
+from experiments.reporting.pictures.choice import by_experiment, chosen
+from experiments.reporting.pictures.take import Task, take_pictures
 from experiments.units.summary import of
 
 MOST_BYTES = 24_000_000  # of all pictures: with all else a page then stays below 30 MB

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from experiments.reporting.happened import Rows
+from experiments.reporting.data.happened import Rows
 from maskval import NO_PART, Evaluation
 
 

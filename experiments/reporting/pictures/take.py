@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from cell.part import Part
 from cell.records import DecisionRecord
 from experiments.reading.resimulation import resimulate
-from experiments.reporting.happened import Rows
-from experiments.reporting.shapes import silhouette_outline
+from experiments.reporting.data.happened import Rows
+from experiments.reporting.data.shapes import silhouette_outline
 from experiments.setup.experiment import ExperimentSpec, kept_cell
 from experiments.setup.pool import run_all
 from experiments.units.unit import Unit
