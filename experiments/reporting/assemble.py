@@ -8,16 +8,16 @@ from typing import Any
 
 from experiments.reporting.charts.charts import charts
 from experiments.reporting.charts.forest import forest
-from experiments.reporting.data.command_lines import changes, repeat
+from experiments.reporting.data.command_lines import changes
 from experiments.reporting.data.happened import PHASES
 from experiments.reporting.data.source import Source, cells_by_object
 from experiments.reporting.data.words import verdict
+from experiments.reporting.origin import origin, took
 from experiments.reporting.table import LEGEND, table
 from experiments.results.paired import have_several_policies
-from experiments.results.provenance import manifest
 
 _STYLES = ("page.css", "list.css", "detail.css")
-_PROGRAMS = ("data.js", "shapes.js", "list.js", "parts.js", "detail.js")
+_PROGRAMS = ("data.js", "shapes.js", "list.js", "outcomes.js", "parts.js", "detail.js")
 _UNSAFE = {ord(sign): f"\\u{ord(sign):04x}" for sign in "<>&\u2028\u2029"}  # within a script element
 
 Names = Mapping[tuple[str, str], str]
@@ -29,6 +29,7 @@ def page(sources: Sequence[Source]) -> str:
     filled = {
         "title": escape(" and ".join(source.name for source in sources)),
         "subtitle": escape(_subtitle(sources)),
+        "took": "".join(took(source, named=len(sources) > 1) for source in sources),
         "style": _texts(_STYLES),
         "verdicts": "".join(_verdicts(source, names, named=len(sources) > 1) for source in sources),
         "notes": "".join(_notes(source, sources) for source in sources),
@@ -36,7 +37,7 @@ def page(sources: Sequence[Source]) -> str:
         "legend": escape(LEGEND),
         "forest": "".join(_forest(source, names, named=len(sources) > 1) for source in sources),
         "charts": "".join(_charts(source, names, named=len(sources) > 1) for source in sources),
-        "origin": "".join(_origin(source) for source in sources),
+        "origin": "".join(origin(source) for source in sources),
         "data": as_script(_data(sources)),
         "script": _texts(_PROGRAMS),
     }
@@ -92,10 +93,11 @@ def _subtitle(sources: Sequence[Source]) -> str:
 
 
 def _verdicts(source: Source, names: Names, *, named: bool) -> str:
-    return "".join(
-        f"<p><b>{escape(f'{source.name}: {name}' if named else name)}</b>: {escape(verdict(cells, names))}</p>"
-        for name, cells in cells_by_object(source)
-    )
+    told = ""
+    for name, cells in cells_by_object(source):
+        title, text = f"{source.name}: {name}" if named else name, verdict(cells, names, source.summary.pairs)
+        told += f"<p><b>{escape(title)}</b>: {escape(text)}</p>"
+    return told
 
 
 def _notes(source: Source, sources: Sequence[Source]) -> str:
@@ -127,37 +129,6 @@ def _charts(source: Source, names: Names, *, named: bool) -> str:
         title = f"{source.name}: {name}" if named else name
         told += f'<h3>{escape(title)}</h3><div class="figures">{charts(name, groups, names, source.thresholds)}</div>'
     return told
-
-
-def _origin(source: Source) -> str:
-    common = source.folder.asked[0].description["common"]
-    per_cell = max(cell.experiments for cell in source.folder.asked)
-    here = manifest({})
-    written = _manifest_of(source)
-    commit = written.get("commit") or "unknown"
-    dirty = " (with changes)" if written.get("dirty") else ""
-    versions = ", ".join(f"{name} {version}" for name, version in common["versions"].items())
-    simulated = sum(one.count.duration for one in source.summary.experiments if one.count is not None)
-    rows = (
-        ("run", source.folder.path.resolve().name),
-        ("commit", f"{commit}{dirty}"),
-        ("versions", versions),
-        ("platform", written.get("platform") or here["platform"]),
-        ("seed", common["seed"]),
-        ("experiments", f"{source.summary.completed} with a result, {len(source.summary.failures)} without"),
-        ("time of the cell", f"{simulated / 3600:.1f} h"),
-        ("pictures", source.pictured),
-    )
-    listed = "".join(f"<dt>{escape(name)}</dt><dd>{escape(str(value))}</dd>" for name, value in rows)
-    command = repeat(source.folder.options, per_cell)
-    again = f"<p>The command that makes it again:</p><code>{escape(command)}</code>"
-    return f"<h3>{escape(source.name)}</h3><dl>{listed}</dl>{again}"
-
-
-def _manifest_of(source: Source) -> dict[str, Any]:
-    file = source.folder.path / "manifest.json"
-    found: dict[str, Any] = json.loads(file.read_text(encoding="utf-8")) if file.is_file() else {}
-    return found
 
 
 def _texts(names: Sequence[str]) -> str:

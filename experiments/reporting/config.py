@@ -9,7 +9,7 @@ import tyro
 from experiments.errors import UsageError
 from experiments.setup.checks import all_at_least, writable_folder
 
-_MOST_RUNS = 9
+_MOST_RUNS = 24
 _PICTURES = 120  # some 6 MB and a minute or two on 2 cores
 
 

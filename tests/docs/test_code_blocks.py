@@ -21,6 +21,7 @@ PAGES = {
     "gym.md": 3,
     "statistics.md": 3,
     "run-thousands.md": 4,
+    "report.md": 1,
 }
 SHOWN = ("text", "make")  # what needs other programs: see test_run_thousands.py
 BLOCK = re.compile(r"^```(\w+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)

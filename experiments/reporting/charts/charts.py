@@ -53,7 +53,7 @@ def charts(
 def _scatter(name: str, seen: Mapping[Who, Seen], names: Mapping[Who, str], bounds: Mapping[Who, float]) -> str:
     total = sum(map(len, (one.u for one in seen.values())))
     stride = -(-total // MOST_POINTS)
-    told = f"every {stride}th of {total}" if stride > 1 else f"all {total}"
+    told = f"one in {stride} of {total}" if stride > 1 else f"all {total}"
     body = ""
     for who, one in seen.items():
         box = 44, 34, 330, 230

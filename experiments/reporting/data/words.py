@@ -1,9 +1,10 @@
 """Why an attempt ended as it did, and what a table says, in plain sentences."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from cell.interfaces import Outcome
+from experiments.results.paired import Paired
 from experiments.results.table import Cell
 from maskval.evaluation.summary import ERROR_THRESHOLD_M
 
@@ -79,19 +80,21 @@ def why_time_out(seconds: float, refused: Sequence[tuple[Row, Row]], looks: int,
     return " ".join(told)
 
 
-def verdict(cells: Sequence[Cell], names: Mapping[tuple[str, str], str]) -> str:
+def verdict(cells: Sequence[Cell], names: Mapping[tuple[str, str], str], pairs: Sequence[Paired] = ()) -> str:
     """Which method places most parts, and from which others it cannot be told apart, for the cells of one part.
 
     Args:
         cells: of one part in one run.
         names: what each method and policy is called.
+        pairs: the run's differences between methods.
     """
     done = [cell for cell in cells if cell.experiments]
     if not done:
         return "No experiment has a result yet."
     ranked = sorted(done, key=lambda cell: -cell.tp / cell.experiments)
     best, others = ranked[0], ranked[1:]
-    told = f"{names[best.method, best.policy]} places {_share(best)} of the parts with {best.fp} failed attempts"
+    failed = f"{best.fp} failed attempt{'s' * (best.fp != 1)}"
+    told = f"{names[best.method, best.policy]} places {_share(best)} of the parts with {failed}"
     if not others:
         return f"{told}."
     level = [names[cell.method, cell.policy] for cell in others if best.same and _shares_letter(cell, best)]
@@ -102,7 +105,18 @@ def verdict(cells: Sequence[Cell], names: Mapping[tuple[str, str], str]) -> str:
         apart = f"It cannot be told apart from {_listed(level)} in parts placed."
     else:
         apart = "The differences in parts placed are significant (5 %, Holm)."
-    return f"{told}; {rest}. {apart}"
+    return " ".join((f"{told}; {rest}. {apart}", *_failing(best, names, pairs)))
+
+
+def _failing(best: Cell, names: Mapping[tuple[str, str], str], pairs: Sequence[Paired]) -> Iterator[str]:
+    """Which methods fail more or fewer attempts than the best, if that is what others are compared with."""
+    reference = best.object, best.method, best.policy
+    own = [row for row in pairs if (row.object, row.reference, row.reference_policy) == reference and row.failed_ci]
+    for word, place, sign in (("more", 0, 1), ("fewer", 1, -1)):
+        found = [names[row.method, row.policy] for row in own if row.failed_ci and sign * row.failed_ci[place] > 0]
+        if found:
+            verb = "fails" if len(found) == 1 else "fail"
+            yield f"{_listed(found)} {verb} {word} attempts (95 % interval)."
 
 
 def _happened(attempt: Row) -> str:

@@ -2,8 +2,11 @@
 const PHASES = page.phases;
 const dialog = document.getElementById("detail");
 
+// A picture with its name; a click, or Enter, shows it large and small again.
 function frameOf(title, picture, caption) {
-  return make("figure", { class: "frame" }, make("b", {}, title), picture, make("figcaption", {}, caption));
+  const turn = (event) => event.currentTarget.classList.toggle("large");
+  return make("figure", { class: "frame", tabindex: 0, title: "larger or smaller", onclick: turn, onkeydown: (event) => { if (event.key === "Enter") turn(event); } },
+    make("b", {}, title), picture, make("figcaption", {}, caption));
 }
 
 // The film strip of an attempt: what the camera saw, what the networks made of it, and how it was.
@@ -127,5 +130,6 @@ document.addEventListener("keydown", (event) => {
 });
 addEventListener("hashchange", follow);
 buildList();
+buildOutcomes();
 buildGrids();
 follow();

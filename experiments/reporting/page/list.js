@@ -33,7 +33,12 @@ function buildFilters() {
     make("button", { type: "reset" }, "Reset"),
   ];
   form.append(...parts.filter((part) => part !== null));
-  form.addEventListener("input", refresh);
+  form.addEventListener("input", (event) => { if (event.target.matches("input")) refresh(); });
+  form.addEventListener("change", (event) => {
+    if (!event.target.matches("select")) return;
+    if (event.target.name === "which" && form.elements.outcome) form.elements.outcome.value = "";
+    refresh();
+  });
   form.addEventListener("reset", () => setTimeout(refresh));
   form.addEventListener("submit", (event) => event.preventDefault());
 }
@@ -55,8 +60,9 @@ const SORTS = {
 };
 
 function refresh() {
-  const wanted = Object.fromEntries(new FormData(document.getElementById("filters")));
-  if (wanted.outcome) wanted.which = "all";
+  const form = document.getElementById("filters");
+  if (form.elements.outcome && form.elements.outcome.value) form.elements.which.value = "all";
+  const wanted = Object.fromEntries(new FormData(form));
   list.shown = entries.filter((entry) => fits(entry, wanted)).sort((a, b) => SORTS[list.sort](a) - SORTS[list.sort](b));
   list.count = 0;
   document.querySelector("#list tbody").replaceChildren();

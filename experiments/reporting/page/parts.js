@@ -22,11 +22,15 @@ function buildGrids() {
     for (const object of distinct(page.experiments.filter((one) => one.r === number).map((one) => one.o))) {
       const own = page.experiments.filter((one) => one.r === number && one.o === object && one.failure === null);
       const names = distinct(own.map(nameOf));
-      const grid = make("div", { class: "grid", style: `grid-template-columns: auto repeat(${names.length}, max-content)` });
+      const columns = names.length + (names.length > 1 ? 1 : 0);
+      const grid = make("div", { class: "grid", style: `grid-template-columns: auto repeat(${columns}, max-content)` });
       grid.append(make("span"), ...names.map((name) => make("b", {}, `${name}${failedParts(own, name)}`)));
+      if (names.length > 1) grid.append(make("b", {}, "methods it failed under"));
       for (const experiment of distinct(own.map((one) => one.e)).sort((a, b) => a - b)) {
         grid.append(make("span", { class: "number" }, String(experiment)));
-        for (const name of names) grid.append(stripOf(own.find((one) => one.e === experiment && nameOf(one) === name)));
+        const here = own.filter((one) => one.e === experiment);
+        for (const name of names) grid.append(stripOf(here.find((one) => nameOf(one) === name)));
+        if (names.length > 1) grid.append(countsOf(here));
       }
       place.append(make("div", {}, make("h3", {}, severalRuns ? `${run.name}: ${object}` : object),
         make("p", { class: "small" }, failedUnderAll(own, names)), make("div", { class: "scroll" }, grid)));
@@ -61,6 +65,16 @@ function stripOf(experiment) {
     const fate = fateOf(experiment, part);
     const label = `${nameOf(experiment)}, experiment ${experiment.e}, part ${part}: ${FATES[fate]}`;
     strip.append(make("button", { type: "button", class: `square ${fate}`, title: label, "aria-label": label, onclick: () => { location.hash = addressOfPart(experiment, part); } }, SIGNS[fate]));
+  }
+  return strip;
+}
+
+// Under how many methods each part of an experiment failed.
+function countsOf(experiments) {
+  const strip = make("span", { class: "strip" });
+  for (let part = 0; part < Math.max(...experiments.map((one) => one.parts)); part++) {
+    const count = experiments.filter((one) => ["failed", "both"].includes(fateOf(one, part))).length;
+    strip.append(make("span", { class: `square times${Math.min(count, 3)}`, title: `part ${part} failed under ${count} of ${experiments.length} methods` }, String(count)));
   }
   return strip;
 }

@@ -35,7 +35,7 @@ def data_of(page: Path) -> dict[str, Any]:
 def page(small_run: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The page of the small run, with pictures of some of its attempts."""
     out = tmp_path_factory.mktemp("page") / "page.html"
-    assert report(small_run, "--out", out, "--pictures", 5) == 0
+    assert report(small_run, "--out", out, "--pictures", 3) == 0
     return out
 
 

@@ -1,6 +1,8 @@
 """The page in a real browser: it opens, filters, leads where its addresses say, and says nothing on the console."""
 
 import json
+import re
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +11,7 @@ from selenium.webdriver import Chrome, Keys
 from selenium.webdriver.common.by import By
 from selenium.webdriver.support.ui import Select
 
-from tests.experiments.reporting.conftest import data_of
+from tests.experiments.reporting.conftest import data_of, report
 
 Row = dict[str, Any]
 
@@ -52,19 +54,13 @@ def test_the_numbers_are_those_of_table_json(opened: Chrome, small_run: Path) ->
     shown = opened.find_elements(By.CSS_SELECTOR, "table.rates tbody tr")
     assert len(shown) == len(cells) == 2
     for row, cell in zip(shown, cells, strict=True):
-        text = {
-            key: row.find_element(By.CSS_SELECTOR, f'[data-key="{key}"]').text for key in cell if _is_shown(row, key)
-        }
+        text = {one.get_attribute("data-key"): one.text for one in row.find_elements(By.CSS_SELECTOR, "[data-key]")}
         for key in ("object", "method", "tp", "fp", "fn", "void", "timeouts", "experiments", "parts_failed"):
             assert text[key] == str(cell[key])
         for key in ("ap", "ar"):
             low, high = cell[f"{key}_ci"]
             assert text[key].split()[0] == f"{100 * cell[key]:.1f}"
             assert f"[{100 * low:.0f}–{100 * high:.0f}]" in text[key]
-
-
-def _is_shown(row: Any, key: str) -> bool:
-    return bool(row.find_elements(By.CSS_SELECTOR, f'[data-key="{key}"]'))
 
 
 def test_the_list_begins_with_failures_and_shows_what_the_filters_ask_for(
@@ -86,6 +82,60 @@ def test_the_list_begins_with_failures_and_shows_what_the_filters_ask_for(
     ]
     assert expected
     assert sorted(rows(opened)) == sorted(expected)
+
+
+def test_a_number_of_an_outcome_leads_to_the_attempts_that_it_counts(
+    opened: Chrome, items: list[tuple[Row, Row]]
+) -> None:
+    buttons = opened.find_elements(By.CSS_SELECTOR, "#outcomes button")
+    assert sum(int(button.text) for button in buttons) == len(items)
+    for button in buttons:
+        found = re.fullmatch(r"handle, (\S+): (\d+) × (.*)", button.get_attribute("aria-label") or "")
+        assert found is not None
+        method, count, outcome = found.groups()
+        opened.execute_script("arguments[0].click()", button)
+        expected = [address(one, item) for one, item in items if (one["m"], item["out"]) == (method, outcome)]
+        assert sorted(rows(opened)) == sorted(expected)
+        assert len(expected) == int(count)
+
+
+def test_a_picture_is_shown_large_by_enter_and_small_again(
+    opened: Chrome, page: Path, items: list[tuple[Row, Row]]
+) -> None:
+    opened.get("about:blank")
+    opened.get(page.as_uri() + next(address(one, item) for one, item in items if "wrist" in item))
+    frame = opened.find_element(By.CSS_SELECTOR, ".frame")
+    small = frame.size["width"]
+    frame.send_keys(Keys.ENTER)
+    assert frame.size["width"] > 1.5 * small
+    frame.send_keys(Keys.ENTER)
+    assert frame.size["width"] == small
+
+
+def test_the_page_is_dark_where_the_system_is(opened: Chrome) -> None:
+    for scheme, dark in (("dark", True), ("light", False)):
+        wanted = {"features": [{"name": "prefers-color-scheme", "value": scheme}]}
+        opened.execute_cdp_cmd("Emulation.setEmulatedMedia", wanted)
+        text, ground = (
+            sum(map(int, re.findall(r"\d+", opened.find_element(By.TAG_NAME, "body").value_of_css_property(name))[:3]))
+            for name in ("color", "background-color")
+        )
+        assert (text > ground) == dark
+    opened.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": []})
+
+
+def test_two_runs_stand_side_by_side_and_addresses_say_which_run_they_mean(
+    chromium: Chrome, small_run: Path, tmp_path: Path
+) -> None:
+    shutil.copytree(small_run, tmp_path / "again")
+    page = tmp_path / "page.html"
+    assert report(small_run, tmp_path / "again", "--out", page, "--pictures", 0) == 0
+    chromium.get(f"{page.as_uri()}#again/handle/maskval/1/0")
+    assert title(chromium) == "handle · maskval (again) · experiment 1 · attempt 0"
+    who = [name.text.partition(":")[0] for name in chromium.find_elements(By.CSS_SELECTOR, "dialog .who > b")]
+    assert who == ["none (run)", "maskval (run)", "none (again)", "maskval (again)"]
+    shown = [row.get_attribute("data-run") for row in chromium.find_elements(By.CSS_SELECTOR, "table.rates tbody tr")]
+    assert shown == ["run", "run", "again", "again"]
 
 
 def test_an_address_leads_to_its_attempt(opened: Chrome, page: Path, items: list[tuple[Row, Row]]) -> None:

@@ -6,7 +6,7 @@ from cell.part import Part
 from experiments.reporting.data.shapes import outline, projected, silhouette_outline
 from maskval import Camera, Mesh, Pose, mask_iou, silhouette
 from sim.instance_ids import PIXEL_CENTER
-from tests.experiments.reporting.drawn import filled
+from tests.experiments.reporting.data.drawn import filled
 from tests.maskval import shapes
 
 CAMERA = Camera(600.0, 600.0, 320.0, 240.0, 640, 480)
@@ -39,7 +39,7 @@ def test_an_outline_that_is_filled_is_the_silhouette_again() -> None:
 
 
 def test_a_model_upon_its_own_mask_has_a_c_of_1_and_half_beyond_the_picture_a_v_of_a_half() -> None:
-    box = Mesh(*shapes.box(0.1, 0.1, 0.1))
+    box = shapes.cube()
     part = Part("box", box, (), (0.1, 0.1))
     for x, v in ((0.0, 1.0), (-0.5 * 640 / 600, 0.5)):
         pose = Pose.from_translation((x, 0.0, 1.0))

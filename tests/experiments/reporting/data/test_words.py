@@ -5,6 +5,7 @@ import pytest
 from cell.interfaces import Outcome
 from cell.records import Tally
 from experiments.reporting.data.words import kind_of, verdict, why_attempt, why_time_out
+from experiments.results.paired import Paired
 from experiments.results.table import Cell, make_cell
 
 STRUCK = {
@@ -72,9 +73,17 @@ def cell(method: str, policy: str, tp: int, fp: int, same: str | None) -> Cell:
 def test_the_verdict_names_the_method_that_places_most_and_whether_the_others_differ() -> None:
     best, worse = cell("maskval", "threshold", 6, 1, "a"), cell("none", "always", 4, 3, "b")
     assert verdict([worse, best], NAMES) == (
-        "maskval places 75 % of the parts with 1 failed attempts; none 50 % with 3. The differences in parts placed are "
+        "maskval places 75 % of the parts with 1 failed attempt; none 50 % with 3. The differences in parts placed are "
         "significant (5 %, Holm)."
     )
     level = verdict([replace(worse, same="a"), best], NAMES)
     assert level.endswith("It cannot be told apart from none in parts placed.")
-    assert verdict([replace(best, same=None)], NAMES) == "maskval places 75 % of the parts with 1 failed attempts."
+    assert verdict([replace(best, same=None)], NAMES) == "maskval places 75 % of the parts with 1 failed attempt."
+
+
+def test_the_verdict_names_the_methods_that_fail_more_often_than_the_best() -> None:
+    best, worse = cell("maskval", "threshold", 6, 1, "a"), cell("none", "always", 4, 3, "a")
+    difference = Paired("handle", "none", "always", "maskval", "threshold", 2, -1.0, (-3.0, 1.0), 2.0, (0.5, 3.5))
+    assert verdict([best, worse], NAMES, [difference]).endswith("none fails more attempts (95 % interval).")
+    unclear = replace(difference, failed_ci=(-0.5, 3.5))
+    assert verdict([best, worse], NAMES, [unclear]).endswith("in parts placed.")
