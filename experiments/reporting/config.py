@@ -10,7 +10,7 @@ from experiments.errors import UsageError
 from experiments.setup.checks import all_at_least, writable_folder
 
 _MOST_RUNS = 24
-_PICTURES = 120  # some 6 MB and a minute or two on 2 cores
+_PICTURES = 80  # some 5 MB and two minutes on 2 cores
 
 
 @dataclass(frozen=True)
@@ -27,7 +27,7 @@ class Report:
     out: Path = Path("out/report.html")
     """The page, .html."""
     pictures: int | None = None
-    """Attempts and time-outs to make pictures of, failures first; by default 120, fewer where a run cannot be simulated
+    """Attempts and time-outs to make pictures of, failures first; by default 80, fewer where a run cannot be simulated
     again."""
     jobs: int = 0
     """Processes to simulate in; 0 takes one per core."""

@@ -64,11 +64,14 @@ def _cells(source: Source, cell: Cell, names: Mapping[tuple[str, str], str]) -> 
         ("cycle_time_s", None if cell.cycle_time_s is None else f"{cell.cycle_time_s:.1f}"),
         ("experiments", f"{cell.experiments} ({cell.failed} failed)" if cell.failed else cell.experiments),
     )
-    plain = "".join(f'<td data-key="{key}">{"–" if text is None else escape(str(text))}</td>' for key, text in texts)
+    plain = "".join(
+        f'<td data-key="{key}" data-label="{head}">{"–" if text is None else escape(str(text))}</td>'
+        for (key, text), head in zip(texts, _HEADS[5:], strict=True)
+    )
     return (
         f'<td class="word" data-key="object">{escape(cell.object)}</td>'
         f'<td class="word" data-key="method">{escape(names[cell.method, cell.policy])}</td>'
-        f'<td data-key="same">{escape(cell.same or "–")}</td>'
+        f'<td data-key="same" data-label="≈">{escape(cell.same or "–")}</td>'
         f"{_rate('ap', cell.ap, cell.ap_ci, paper[0])}{_rate('ar', cell.ar, cell.ar_ci, paper[1])}{plain}"
     )
 
@@ -79,7 +82,7 @@ def _rate(key: str, rate: float | None, interval: Interval | None, paper: float 
     ends = "" if interval is None else f'<path class="whisker" d="M{100 * interval[0]:.1f} 9H{100 * interval[1]:.1f}"/>'
     tick = "" if paper is None else f'<rect class="paper" x="{100 * paper - 1:.1f}" width="2.5" y="0" height="18"/>'
     return (
-        f'<td data-key="{key}"><span class="rate">{percent(rate)}</span>'
+        f'<td data-key="{key}" data-label="{key.upper()} %"><span class="rate">{percent(rate)}</span>'
         f'<svg viewBox="-2 0 106 18" aria-hidden="true"><rect class="track" width="100" y="4" height="10"/>'
         f'{share}{ends}{tick}</svg><div class="ends">[{percents(interval)}]{beside}</div></td>'
     )

@@ -36,7 +36,7 @@ def _panel(rows: Sequence[Paired], names: Mapping[tuple[str, str], str], figure_
     bottom = 10 + _ROW * len(rows)
     box = _NAMES, 4, _NAMES + _WIDTH, bottom
     plot = Plot(box[2] + _LEFT, bottom + 38, linear(-reach, reach, box[0], box[2]), linear(0, bottom, 0, bottom), box)
-    plot.x_axis(steps(-reach, reach, 7), axis, "{:+g}".format)
+    plot.x_axis(steps(-reach, reach, 7), axis, lambda tick: f"{tick:+g}" if tick else "0")
     plot.marks.append(f'<path class="zero" d="M{plot.x(0):.1f} {box[1]}V{bottom}"/>')
     for place, row in enumerate(rows):
         y = 4 + _ROW * (place + 0.5)
