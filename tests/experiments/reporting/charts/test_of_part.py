@@ -4,7 +4,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from experiments.reporting.charts.charts import MOST_POINTS, charts
+from experiments.reporting.charts.of_part import MOST_POINTS, charts
 from experiments.reporting.charts.seen import evaluation_of, seen_of
 from maskval import NO_PART
 
