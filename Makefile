@@ -6,12 +6,13 @@ OUT ?= out/compare
 READY := $(VENV)/.ready
 COMPILED := $(VENV)/.compiled
 
-.PHONY: run test check site study thresholds goldens picture opengl clean
+.PHONY: run test check site study thresholds goldens picture opengl browser clean
 
 run: $(COMPILED)
 	$(BIN)/graspcell compare --gap fitted --thresholds paper --experiments 20 --out $(OUT)
+	$(BIN)/graspcell report $(OUT) --out $(OUT)/report.html
 
-test: $(COMPILED) opengl
+test: $(COMPILED) browser
 	$(BIN)/python -m pytest -m "not study"
 
 check: $(READY)
@@ -35,7 +36,7 @@ goldens: $(COMPILED)
 	$(BIN)/python -m tests.goldens
 
 # Measured trials of minutes: not part of `make test`. Those of learning need torch, those of clusters Ray.
-study: $(COMPILED) opengl
+study: $(COMPILED) browser
 	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[dev,learn,ray]'
 	$(BIN)/python -m pytest -m study
 
@@ -46,6 +47,10 @@ picture: $(COMPILED) opengl
 # The system's OpenGL libraries, which only pictures and their tests need.
 opengl:
 	sh .ci/system-libraries
+
+# These and Chromium, which the tests open reports in.
+browser:
+	sh .ci/system-libraries --browser
 
 $(READY): pyproject.toml constraints.txt
 	$(PYTHON) -c 'import sys; sys.exit(None if sys.version_info >= (3, 11) else "Python 3.11 or newer is needed: make PYTHON=python3.12 ...")'

@@ -35,6 +35,7 @@ from experiments.prediction.config import FitGap, Predict
 from experiments.reading.config import Query
 from experiments.reading.plan import Plan
 from experiments.rendering.config import RenderDataset
+from experiments.reporting.config import Report
 from experiments.setup.actors import Actors
 from sim.model.conditions import Conditions
 
@@ -63,6 +64,7 @@ COMMANDS = {
     "merge": Command(Merge, "experiments.commands.merge:merge"),
     "plan": Command(Plan, "experiments.reading.plan:plan", engine=False),
     "query": Command(Query, "experiments.reading.query:query", engine=False),
+    "report": Command(Report, "experiments.reporting.command:report"),
     "export": Command(Export, "experiments.exporting.command:export"),
     "run": Command(Run, "experiments.commands.run:run"),
     "picture": Command(Picture, "experiments.commands.picture:picture"),

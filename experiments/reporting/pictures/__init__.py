@@ -1,0 +1,1 @@
+"""Pictures of attempts, by simulating their experiments again."""
