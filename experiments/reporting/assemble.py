@@ -6,8 +6,8 @@ from html import escape
 from importlib.resources import files
 from typing import Any
 
-from experiments.reporting.charts.of_part import charts
 from experiments.reporting.charts.forest import forest
+from experiments.reporting.charts.of_part import charts
 from experiments.reporting.data.command_lines import changes
 from experiments.reporting.data.happened import PHASES
 from experiments.reporting.data.source import Source, cells_by_object
