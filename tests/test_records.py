@@ -19,7 +19,7 @@ from tests.maskval import shapes
 
 PACKAGES = ("maskval", "cell", "sim", "policies", "experiments")
 # They gather what comes in, and say so.
-GROWING = {"Annotations", "Motion", "Recorder", "RunFolder", "Take", "_Cameras", "_Progress", "_Seen"}
+GROWING = {"Annotations", "Motion", "Plot", "Recorder", "RunFolder", "Source", "Take", "_Cameras", "_Progress", "_Seen"}
 
 
 def records_of(package: str) -> list[type[Any]]:

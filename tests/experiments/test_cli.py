@@ -160,7 +160,7 @@ def test_help_of_a_command_names_every_option_with_its_default(capsys: pytest.Ca
     }.get(job, set())  # words, not options
     names = [name for name in options(COMMANDS[job][0]) if name not in bare]
     assert (told.code, told.err) == (0, "")
-    assert len(names) >= {"doctor": 0, "merge": 2, "query": 2, "plan": 2}.get(job, 5)
+    assert len(names) >= {"doctor": 0, "merge": 2, "query": 2, "plan": 2, "report": 3}.get(job, 5)
     assert [name for name in names if name not in told.out] == []
     words = " ".join(told.out.replace("│", " ").split())
     assert words.count("(default: ") + words.count("(required)") + words.count("(optional)") >= len(names)

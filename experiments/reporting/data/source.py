@@ -20,7 +20,7 @@ MOST_EXPERIMENTS = 600  # that a page lists: about 12 MB of outlines
 
 @dataclass(slots=True)
 class Source:
-    """One run.
+    """One run; it gathers notes, and pictures into its experiments.
 
     Attributes:
         name: what the page calls it.
