@@ -3,7 +3,10 @@
 from maskval.association import UNMATCHED, associate
 from maskval.camera import Camera
 from maskval.errors import (
+    ImplausibleInputError,
+    ImplausibleInputWarning,
     InexactRotationWarning,
+    InvalidArgumentError,
     InvalidCameraError,
     InvalidEstimatesError,
     InvalidEvaluationError,
@@ -54,7 +57,10 @@ __all__ = [
     "Estimates",
     "Evaluation",
     "ImageErrors",
+    "ImplausibleInputError",
+    "ImplausibleInputWarning",
     "InexactRotationWarning",
+    "InvalidArgumentError",
     "InvalidCameraError",
     "InvalidEstimatesError",
     "InvalidEvaluationError",

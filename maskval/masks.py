@@ -148,8 +148,7 @@ def mask_from_rle(counts: Sequence[int] | str | bytes, height: int, width: int) 
         InvalidMaskError: If the image has no pixels or more than 2^28, a count is negative or no whole number, or the
             counts do not add up to H W.
     """
-    if min(height, width) < 1 or height * width > MAXIMUM_PIXELS:
-        raise InvalidMaskError(f"a mask must have 1 to {MAXIMUM_PIXELS} pixels, but has {height} x {width}")
+    _check_size(height, width)
     runs = _runs(counts)
     if min(runs, default=0) < 0:
         raise InvalidMaskError(f"counts must be whole numbers >= 0, but are {str(counts)[:60]}")
@@ -157,6 +156,38 @@ def mask_from_rle(counts: Sequence[int] | str | bytes, height: int, width: int) 
     if sum(runs) != height * width:
         raise InvalidMaskError(f"counts must add up to {height} x {width} = {height * width}, but to {sum(runs)}")
     return np.repeat(np.arange(len(runs)) % 2 == 1, runs).reshape((height, width), order="F")
+
+
+def mask_from_polygons(polygons: Sequence[Sequence[float]], height: int, width: int) -> NDArray[np.bool_]:
+    """The mask of COCO's polygons, (H, W), drawn as COCO draws them.
+
+    Args:
+        polygons: The corners of each part of the mask, u and v in turn, three corners or more, pixels.
+        height: Image height H, pixels.
+        width: Image width W, pixels.
+
+    Raises:
+        InvalidMaskError: If there is no polygon, one has fewer corners or one outside of the image, or the image's
+            size is none.
+    """
+    _check_size(height, width)
+    if not polygons:
+        raise InvalidMaskError("a mask must have at least one polygon, but has none")
+    for polygon in polygons:
+        corners = np.array(polygon, dtype=np.float64)
+        if corners.ndim != 1 or len(corners) < 6 or len(corners) % 2:
+            raise InvalidMaskError(f"a polygon must have u and v of at least 3 corners, but has {len(polygon)} numbers")
+        places = corners.reshape(-1, 2)
+        if not ((places >= -1) & (places <= (width + 1, height + 1))).all():
+            raise InvalidMaskError(f"polygons must lie in the image of {height} x {width}, but reach beyond it")
+    drawn = import_module("pycocotools.mask").frPyObjects([list(polygon) for polygon in polygons], height, width)
+    mask: NDArray[np.bool_] = np.any([mask_from_rle(part["counts"], height, width) for part in drawn], axis=0)
+    return mask
+
+
+def _check_size(height: int, width: int) -> None:
+    if min(height, width) < 1 or height * width > MAXIMUM_PIXELS:
+        raise InvalidMaskError(f"a mask must have 1 to {MAXIMUM_PIXELS} pixels, but has {height} x {width}")
 
 
 def _runs(counts: Sequence[int] | str | bytes) -> list[int]:

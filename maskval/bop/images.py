@@ -10,9 +10,11 @@ from numpy.typing import NDArray
 
 from maskval.bop.fields import M_PER_MM
 from maskval.errors import InvalidFileError
+from maskval.input_files import MOST_IMAGE, check_input, read_input
 from maskval.masks import MAXIMUM_PIXELS
 
 _PNG = b"\x89PNG\r\n\x1a\n"  # then the size of a block, IHDR, and the image's width and height
+_PNG_HEADER = 24  # bytes of these
 
 
 def mask_path(scene: Path, im_id: int, part: int, *, visible: bool = True) -> Path:
@@ -71,16 +73,30 @@ def write_depth(path: Path, depth: NDArray[Any], depth_scale: float = 1.0) -> No
     _write(path, steps.astype(np.uint16))
 
 
+def png_size(path: Path) -> tuple[int, int]:
+    """Height and width of a PNG file, pixels, from its header.
+
+    Raises:
+        InvalidFileError: If it is none.
+    """
+    with check_input(path).open("rb") as file:
+        header = file.read(_PNG_HEADER)
+    if not header.startswith(_PNG) or len(header) < _PNG_HEADER:
+        raise InvalidFileError(f"{path}: expected a PNG file, but it does not begin as one")
+    width, height = struct.unpack(">II", header[16:])
+    return height, width
+
+
 def _read(path: Path) -> NDArray[Any]:
-    if not path.is_file():
-        raise FileNotFoundError(f"{path} is no file")
-    with path.open("rb") as file:
-        header = file.read(24)
-    if header.startswith(_PNG) and len(header) == 24:
-        width, height = struct.unpack(">II", header[16:])
+    content = read_input(path, MOST_IMAGE)
+    if content.startswith(_PNG) and len(content) >= _PNG_HEADER:
+        width, height = struct.unpack(">II", content[16:_PNG_HEADER])
         if width * height > MAXIMUM_PIXELS:
             raise InvalidFileError(f"{path}: expected at most {MAXIMUM_PIXELS} pixels, but found {width} x {height}")
-    image: NDArray[Any] | None = cv2.imread(str(path), cv2.IMREAD_UNCHANGED)
+    try:
+        image: NDArray[Any] | None = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_UNCHANGED)
+    except cv2.error:  # an empty file
+        image = None
     if image is None:
         raise InvalidFileError(f"{path}: expected an image, but it cannot be read as one")
     return image

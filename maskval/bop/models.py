@@ -71,6 +71,8 @@ def _info(entry: Entry, poses: PoseReader) -> ModelInfo:
     symmetries = []
     for symmetry in entry["symmetries_discrete"].elements() if "symmetries_discrete" in entry else ():
         X = symmetry.numbers(16).reshape(4, 4)
+        if X[3].tolist() != [0, 0, 0, 1]:
+            raise symmetry.error("a symmetry whose last row is 0 0 0 1")
         symmetries.append(poses.pose(X[:3, :3].ravel(), X[:3, 3], symmetry.place))
     axes = []
     for axis in entry["symmetries_continuous"].elements() if "symmetries_continuous" in entry else ():

@@ -15,6 +15,7 @@ from maskval.errors import InvalidFileError, MaskvalError
 from maskval.geometry import Pose
 
 T = TypeVar("T")
+GREATEST_PX = 1e7  # of a focal length or principal point: beyond any lens, and what a kernel can count with
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -97,7 +98,7 @@ def read_scene_gt(path: Path) -> dict[int, list[GroundTruth]]:
 
         def part(entry: Entry) -> GroundTruth:
             R, t = entry["cam_R_m2c"], entry["cam_t_m2c"]
-            return GroundTruth(entry["obj_id"].integer(), poses.pose(R.numbers(9), t.numbers(3), R.place))
+            return GroundTruth(entry["obj_id"].identifier(), poses.pose(R.numbers(9), t.numbers(3), R.place))
 
         return _lists(path, part)
 
@@ -107,8 +108,10 @@ def read_scene_gt_info(path: Path) -> dict[int, list[GroundTruthInfo]]:
 
     def info(entry: Entry) -> GroundTruthInfo:
         boxes = [_box(entry[name]) for name in ("bbox_obj", "bbox_visib")]
-        counts = [entry[f"px_count_{name}"].integer() for name in ("all", "valid", "visib")]
+        counts = [entry[f"px_count_{name}"].identifier() for name in ("all", "valid", "visib")]
         fraction = entry["visib_fract"]
+        if counts[2] > counts[0]:
+            raise entry["px_count_visib"].error(f"at most the {counts[0]} of px_count_all")
         if not 0 <= fraction.number() <= 1:
             raise fraction.error("a share in [0, 1]")
         return GroundTruthInfo(boxes[0], boxes[1], counts[0], counts[1], counts[2], fraction.number())
@@ -119,7 +122,7 @@ def read_scene_gt_info(path: Path) -> dict[int, list[GroundTruthInfo]]:
 def read_targets(path: Path) -> list[EvaluationTarget]:
     """The targets of a `test_targets_bop19.json`."""
     names = ("scene_id", "im_id", "obj_id", "inst_count")
-    return [EvaluationTarget(*(entry[name].integer() for name in names)) for entry in read_json(path).elements()]
+    return [EvaluationTarget(*(entry[name].identifier() for name in names)) for entry in read_json(path).elements()]
 
 
 def write_scene_camera(path: Path, cameras: Mapping[int, ImageCamera]) -> None:
@@ -173,7 +176,11 @@ def _camera(entry: Entry, poses: PoseReader) -> ImageCamera:
         Camera.from_K(K, 1, 1)
     except MaskvalError as error:
         raise InvalidFileError(f"{entry['cam_K'].place}: {error}") from error
+    if np.abs(K).max() > GREATEST_PX:
+        raise entry["cam_K"].error(f"intrinsics within {GREATEST_PX:g} px")
     scale = entry["depth_scale"].number() if "depth_scale" in entry else 1.0
+    if scale <= 0:
+        raise entry["depth_scale"].error("a scale > 0 mm")
     if "cam_R_w2c" not in entry:
         return ImageCamera(K, scale)
     R, t = entry["cam_R_w2c"], entry["cam_t_w2c"]
