@@ -10,7 +10,8 @@ from typing import Any, Literal, Self, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from maskval.errors import InvalidMaskError
+from maskval.arrays import floats
+from maskval.errors import InvalidArgumentError, InvalidMaskError
 
 Implementation = Literal["numba", "numpy"]
 Packed = tuple[NDArray[np.uint64], NDArray[np.int64], bool]
@@ -174,7 +175,7 @@ def mask_from_polygons(polygons: Sequence[Sequence[float]], height: int, width: 
     if not polygons:
         raise InvalidMaskError("a mask must have at least one polygon, but has none")
     for polygon in polygons:
-        corners = np.array(polygon, dtype=np.float64)
+        corners = floats("a polygon", polygon, InvalidMaskError)
         if corners.ndim != 1 or len(corners) < 6 or len(corners) % 2:
             raise InvalidMaskError(f"a polygon must have u and v of at least 3 corners, but has {len(polygon)} numbers")
         places = corners.reshape(-1, 2)
@@ -232,7 +233,7 @@ def _packer(implementation: Implementation) -> Callable[[NDArray[np.uint8], tupl
         return cast("Callable[..., Packed]", import_module("maskval.packing").pack)
     if implementation == "numpy":
         return _pack
-    raise ValueError(f"implementation must be one of ['numba', 'numpy'], but is {implementation!r}")
+    raise InvalidArgumentError(f"implementation must be one of ['numba', 'numpy'], but is {implementation!r}")
 
 
 def _pack(pixels: NDArray[np.uint8], shape: tuple[int, int, int]) -> Packed:
@@ -252,7 +253,10 @@ def _binary(mask: NDArray[Any]) -> NDArray[np.bool_]:
 
 
 def _mask_array(mask: NDArray[Any], dimensions: tuple[int, ...]) -> NDArray[Any]:
-    array = np.asarray(mask)
+    try:
+        array = np.asarray(mask)
+    except ValueError as error:  # ragged lists
+        raise InvalidMaskError(f"masks must be of one size, but are not: {error}") from error
     if array.ndim not in dimensions:
         wanted = " or ".join("(K, H, W)" if n == 3 else "(H, W)" for n in dimensions)
         raise InvalidMaskError(f"a mask must have shape {wanted}, but has {array.shape}")

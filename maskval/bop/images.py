@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from maskval.bop.fields import M_PER_MM
-from maskval.errors import InvalidFileError
+from maskval.errors import InvalidArgumentError, InvalidFileError
 from maskval.input_files import MOST_IMAGE, check_input, read_input
 from maskval.masks import MAXIMUM_PIXELS
 
@@ -69,7 +69,9 @@ def write_depth(path: Path, depth: NDArray[Any], depth_scale: float = 1.0) -> No
     """
     steps = np.rint(np.asarray(depth, dtype=np.float64) / (depth_scale * M_PER_MM))
     if not ((steps >= 0) & (steps <= 65_535)).all():
-        raise ValueError(f"depth must be 0 to 65,535 steps of {depth_scale:g} mm, but is up to {steps.max():g}")
+        raise InvalidArgumentError(
+            f"depth must be 0 to 65,535 steps of {depth_scale:g} mm, but is up to {steps.max():g}"
+        )
     _write(path, steps.astype(np.uint16))
 
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from maskval.bop.fields import M_PER_MM, is_whole, numbers_of, warn_of_scores
 from maskval.bop.poses import PoseReader
 from maskval.errors import InvalidFileError
-from maskval.geometry import Pose
+from maskval.geometry import Pose, as_pose
 from maskval.input_files import MOST_RESULTS, read_input_text
 
 FIELDS = ("scene_id", "im_id", "obj_id", "score", "R", "t", "time")
@@ -28,7 +28,7 @@ class PoseResult:
         im_id: Image in the scene.
         obj_id: Object.
         score: Confidence of the estimate; high is good.
-        X_CO: Pose of the object in the camera frame.
+        X_CO: Pose of the object in the camera frame, or its homogeneous matrix, (4, 4).
         time_s: Time that the method took for all of the image, seconds, or -1.
     """
 
@@ -38,6 +38,9 @@ class PoseResult:
     score: float
     X_CO: Pose
     time_s: float = UNKNOWN_TIME
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "X_CO", as_pose(self.X_CO))
 
 
 def read_results(path: Path) -> list[PoseResult]:

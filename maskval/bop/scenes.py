@@ -8,11 +8,12 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from maskval.arrays import floats
 from maskval.bop.fields import M_PER_MM, Entry, read_json, write_entries
 from maskval.bop.poses import PoseReader
 from maskval.camera import Camera
-from maskval.errors import InvalidFileError, MaskvalError
-from maskval.geometry import Pose
+from maskval.errors import InvalidCameraError, InvalidFileError, MaskvalError
+from maskval.geometry import Pose, as_pose
 
 T = TypeVar("T")
 GREATEST_PX = 1e7  # of a focal length or principal point: beyond any lens, and what a kernel can count with
@@ -33,8 +34,10 @@ class ImageCamera:
     X_CW: Pose | None = None
 
     def __post_init__(self) -> None:
-        K = np.array(self.K, dtype=np.float64)
+        K = floats("K", self.K, InvalidCameraError)
         K.setflags(write=False)
+        if self.X_CW is not None:
+            object.__setattr__(self, "X_CW", as_pose(self.X_CW))
         object.__setattr__(self, "K", K)
 
     def camera(self, width: int, height: int) -> Camera:
@@ -48,11 +51,14 @@ class GroundTruth:
 
     Args:
         obj_id: Object.
-        X_CO: True pose of the object in the camera frame.
+        X_CO: True pose of the object in the camera frame, or its homogeneous matrix, (4, 4).
     """
 
     obj_id: int
     X_CO: Pose
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "X_CO", as_pose(self.X_CO))
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from maskval.arrays import check_number
 from maskval.errors import InvalidEvaluationError
 from maskval.evaluation.matching import Counting, Evaluation
 from maskval.evaluation.metrics import DEMANDED_AP, MAXIMUM_ERROR_M, rates, recall_curve
@@ -130,6 +131,7 @@ def summarise(
     """
     if evaluation.images < 1 or resamples < 1:
         raise InvalidEvaluationError(f"a summary needs images and resamples, not {evaluation.images} and {resamples}")
+    check_number("level", level, InvalidEvaluationError, least=0, most=1, ends="()")
     rng = rng or np.random.default_rng(0)
     fixed = _thresholds(evaluation, e_t, demanded_ap, counting, rng)
     curve = np.linspace(0.0, MAXIMUM_ERROR_M, CURVE_STEPS)
