@@ -101,6 +101,11 @@ class PackedMasks:
         stack = np.array(masks, dtype=np.bool_).reshape(len(masks), height, width)
         return cls.pack(stack, implementation=implementation)
 
+    def unpack(self) -> NDArray[np.bool_]:
+        """The masks as pixels, (K, H, W)."""
+        bits = np.unpackbits(self.words.astype("<u8").view(np.uint8), axis=-1, bitorder="little")
+        return bits[..., : self.width].view(np.bool_)
+
     @property
     def height(self) -> int:
         """Image height H, pixels."""

@@ -8,10 +8,11 @@ from pathlib import Path
 from typing import NamedTuple, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from maskval.bop.detections import DetectionResult
 from maskval.bop.fields import is_whole, read_json
-from maskval.bop.images import mask_path, png_size, read_mask
+from maskval.bop.images import mask_path, png_size, read_mask, read_photo
 from maskval.bop.models import ModelInfo, read_model, read_models_info
 from maskval.bop.scenes import (
     GroundTruth,
@@ -79,6 +80,8 @@ class Scene:
             raise InvalidFileError(
                 f"{info}: {im_id}: expected {len(parts)} parts as in scene_gt.json, but found {len(infos)}"
             )
+        if len({(part.obj_id, part.X_CO.matrix.tobytes()) for part in parts}) < len(parts):
+            raise InvalidFileError(f"{truth}: {im_id}: expected each part once, but two have one pose")
         return list(zip(parts, infos, strict=True))
 
 
@@ -146,6 +149,11 @@ class Dataset:
         """
         return read_models_info(self._folder / "models" / "models_info.json")
 
+    @property
+    def has_models_info(self) -> bool:
+        """Whether there is a file of what is known of the objects."""
+        return (self._folder / "models" / "models_info.json").exists()
+
     def image_size(self, scene_id: int, im_id: int) -> tuple[int, int]:
         """Height and width of an image, pixels: those of its picture, or else of the data set's camera.json.
 
@@ -159,6 +167,19 @@ class Dataset:
                 "(width, height) or a picture rgb, gray or depth, .png"
             )
         return size
+
+    def photo(self, scene_id: int, im_id: int) -> NDArray[np.uint8] | None:
+        """The picture of an image, (H, W, 3), RGB, of rgb or gray, .png, .jpg or .tif; None where there is none.
+
+        Raises:
+            InvalidFileError: If it is no picture.
+        """
+        for kind in ("rgb", "gray"):
+            for ending in ("png", "jpg", "tif"):
+                path = self.scene(scene_id).folder / kind / f"{im_id:06d}.{ending}"
+                if path.exists():
+                    return read_photo(path)
+        return None
 
     def known_image_size(self, scene_id: int, im_id: int) -> tuple[int, int] | None:
         """Height and width of an image, pixels; None where nothing tells them."""

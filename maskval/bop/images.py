@@ -75,6 +75,19 @@ def write_depth(path: Path, depth: NDArray[Any], depth_scale: float = 1.0) -> No
     _write(path, steps.astype(np.uint16))
 
 
+def read_photo(path: Path) -> NDArray[np.uint8]:
+    """The picture of a file of 8 bits a channel, grey or colour, (H, W, 3), RGB.
+
+    Raises:
+        InvalidFileError: If it is none.
+    """
+    image = _read(path)
+    if image.dtype != np.uint8 or image.ndim > 3 or (image.ndim == 3 and image.shape[2] not in (3, 4)):
+        raise InvalidFileError(f"{path}: expected a picture of 8 bits, but found {image.dtype} {image.shape}")
+    conversion = cv2.COLOR_GRAY2RGB if image.ndim == 2 else cv2.COLOR_BGR2RGB
+    return np.asarray(cv2.cvtColor(np.ascontiguousarray(image[..., :3] if image.ndim == 3 else image), conversion))
+
+
 def png_size(path: Path) -> tuple[int, int]:
     """Height and width of a PNG file, pixels, from its header.
 
