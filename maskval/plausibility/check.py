@@ -92,7 +92,7 @@ class PlausibilityCheck:
         tried = dict(self._tried()) if can_gain else {}
         causes = [found for cause, ious in tried.items() if (found := _compared(given, ious, cause))]
         best = max(tried, key=lambda cause: float(tried[cause].mean()), default="")
-        named = f": {best}" if best and tried[best].mean() >= HALF > given.mean() else ""
+        named = f": {best}" if best and tried[best].mean() >= given.mean() + 2 * GAIN else ""
         odd = [*self._symptoms(given, named), *causes]
         return sorted(odd, key=lambda finding: not finding.is_certain)
 
