@@ -23,7 +23,6 @@ from experiments.commands.doctor import Doctor
 from experiments.commands.merge import Merge
 from experiments.commands.picture_config import Picture
 from experiments.commands.tolerance_config import Tolerance
-from experiments.commands.uq import Uq
 from experiments.commands.video_config import Video
 from experiments.dataset.config import Dataset
 from experiments.dataset.rules import Rules
@@ -37,6 +36,7 @@ from experiments.reading.plan import Plan
 from experiments.rendering.config import RenderDataset
 from experiments.reporting.config import Report
 from experiments.setup.actors import Actors
+from experiments.uq.config import Uq
 from sim.model.conditions import Conditions
 
 _CLOSED_PIPE = 141  # the exit code that shells give a program that SIGPIPE ends
@@ -75,7 +75,7 @@ COMMANDS = {
     "gap": Command(FitGap, "experiments.prediction.gap_command:gap"),
     "predict": Command(Predict, "experiments.prediction.command:predict"),
     "render-dataset": Command(RenderDataset, "experiments.rendering.command:render_dataset"),
-    "uq": Command(Uq, "experiments.commands.uq:uq", engine=False),
+    "uq": Command(Uq, "experiments.uq.command:uq", engine=False),
     "part": Command(MakePart, "experiments.part.command:part"),
     "bench": Command(Bench, "experiments.commands.bench:bench"),
     "doctor": Command(Doctor, "experiments.commands.doctor:doctor", engine=False),

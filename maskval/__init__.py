@@ -1,9 +1,14 @@
 """MaskVal: how far can a 6D pose be trusted, judged by the mask that it should project to."""
 
+from importlib.metadata import version
+
 from maskval.association import UNMATCHED, associate
 from maskval.camera import Camera
 from maskval.errors import (
+    ImplausibleInputError,
+    ImplausibleInputWarning,
     InexactRotationWarning,
+    InvalidArgumentError,
     InvalidCameraError,
     InvalidEstimatesError,
     InvalidEvaluationError,
@@ -21,7 +26,7 @@ from maskval.evaluation.ranking import aurc, auroc, bootstrap_interval, spearman
 from maskval.evaluation.summary import Measured, Summary, Threshold, summarise
 from maskval.evaluation.thresholds import Certificate, certified_threshold, conformal_threshold, paper_threshold
 from maskval.evaluation.visible_surface import vsd
-from maskval.geometry import Pose, angle_between
+from maskval.geometry import Pose, PoseLike, PosesLike, angle_between
 from maskval.intervals import bootstrap_mean_interval, mean_interval, proportion_interval
 from maskval.masks import PackedMasks, mask_from_rle, mask_iou, rle_counts
 from maskval.mesh import Mesh
@@ -54,7 +59,10 @@ __all__ = [
     "Estimates",
     "Evaluation",
     "ImageErrors",
+    "ImplausibleInputError",
+    "ImplausibleInputWarning",
     "InexactRotationWarning",
+    "InvalidArgumentError",
     "InvalidCameraError",
     "InvalidEstimatesError",
     "InvalidEvaluationError",
@@ -71,6 +79,8 @@ __all__ = [
     "NoUncertainty",
     "PackedMasks",
     "Pose",
+    "PoseLike",
+    "PosesLike",
     "RandomUncertainty",
     "RecallCurve",
     "Silhouette",
@@ -118,3 +128,9 @@ __all__ = [
     "uncertainty",
     "vsd",
 ]
+
+
+def __getattr__(name: str) -> str:
+    if name == "__version__":  # of the distribution, looked up when it is asked for: that takes milliseconds
+        return version("graspcell")
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

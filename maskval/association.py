@@ -6,6 +6,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from maskval.arrays import floats
 from maskval.errors import InvalidEstimatesError
 
 Rule = Literal["greedy", "optimal"]
@@ -24,7 +25,7 @@ def associate(iou: NDArray[np.float64], rule: Rule) -> NDArray[np.int64]:
     Raises:
         InvalidEstimatesError: If the table has another shape or a value that is none, or the rule is another.
     """
-    table = np.asarray(iou, dtype=np.float64)
+    table = floats("iou", iou, InvalidEstimatesError)
     if table.ndim != 2 or not ((table >= 0) & (table <= 1)).all():
         raise InvalidEstimatesError(f"iou must have shape (N, K) and values in [0, 1], but is {table}")
     if rule == "greedy":

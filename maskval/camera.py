@@ -7,6 +7,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from maskval.arrays import check_number, floats
 from maskval.errors import InvalidCameraError, InvalidPoseError
 
 
@@ -39,6 +40,7 @@ class Camera:
 
     def __post_init__(self) -> None:
         for name in ("fx", "fy", "cx", "cy", "skew"):
+            check_number(name, getattr(self, name), InvalidCameraError)
             if not math.isfinite(getattr(self, name)):
                 raise InvalidCameraError(f"{name} must be finite, but is {getattr(self, name)}")
         for name in ("fx", "fy"):
@@ -46,6 +48,7 @@ class Camera:
                 raise InvalidCameraError(f"{name} must be > 0 px, but is {getattr(self, name):g}")
         for name in ("width", "height"):
             size = getattr(self, name)
+            check_number(name, size, InvalidCameraError)
             if not math.isfinite(size) or size != int(size) or size < 1:
                 raise InvalidCameraError(f"{name} must be a whole number of pixels >= 1, but is {size}")
             object.__setattr__(self, name, int(size))
@@ -59,7 +62,7 @@ class Camera:
             width: Image width, pixels.
             height: Image height, pixels.
         """
-        matrix = np.asarray(K, dtype=np.float64)
+        matrix = floats("K", K, InvalidCameraError)
         if matrix.shape != (3, 3):
             raise InvalidCameraError(f"K must have shape (3, 3), but has {matrix.shape}")
         if not np.isfinite(matrix).all():
@@ -83,7 +86,7 @@ class Camera:
         Raises:
             InvalidPoseError: If a point is not in front of the camera, or the shape is wrong.
         """
-        points = np.asarray(points_C, dtype=np.float64)
+        points = floats("points_C", points_C, InvalidPoseError)
         if points.shape[-1:] != (3,):
             raise InvalidPoseError(f"points_C must have shape (..., 3), but has {points.shape}")
         x, y, z = np.moveaxis(points, -1, 0)

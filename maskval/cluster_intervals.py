@@ -6,6 +6,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import stdtrit
 
+from maskval.arrays import check_number, floats
+from maskval.errors import InvalidArgumentError
 from maskval.intervals import clopper_pearson
 
 FEWEST_CLUSTERS = 10  # below, the variance between them is too uncertain: with it, intervals of 5 covered 88 %
@@ -36,16 +38,15 @@ def clustered_rate_interval(
         clusters: Label of the cluster of each, (N,); clusters are independent of one another.
         level: Confidence level, in (0, 1).
     """
-    values, sizes = (np.asarray(numbers, dtype=np.float64) for numbers in (rates, trials))
+    values, sizes = floats("rates", rates), floats("trials", trials)
     if not values.shape == sizes.shape == (len(clusters),):
-        raise ValueError(
+        raise InvalidArgumentError(
             f"expected rates, trials and clusters of one shape (N,), got {values.shape}, {sizes.shape} and "
             f"{len(clusters)} clusters"
         )
     if not ((values >= 0) & (values <= 1)).all() or not ((sizes >= 1) & np.isfinite(sizes)).all():
-        raise ValueError("expected rates in 0..1 and at least 1 trial behind each")
-    if not 0 < level < 1:
-        raise ValueError(f"expected a level in (0, 1), got {level}")
+        raise InvalidArgumentError("expected rates in 0..1 and at least 1 trial behind each")
+    check_number("level", level, least=0, most=1, ends="()")
     if len(values) == 0:
         return None
     labels = {label: index for index, label in enumerate(dict.fromkeys(clusters))}

@@ -37,5 +37,17 @@ class InexactRotationWarning(UserWarning):
     """Rotations of a file were rounded to few digits, or not orthonormal to begin with; the nearest ones are taken."""
 
 
+class InvalidArgumentError(MaskvalError, ValueError):
+    """An argument that is of another kind, or out of its range."""
+
+
+class ImplausibleInputError(MaskvalError, ValueError):
+    """Poses, masks and cameras that are well-formed but certainly do not fit; the message names the likely cause."""
+
+
+class ImplausibleInputWarning(UserWarning):
+    """Input that is probably not what was meant; the message says what is odd about it."""
+
+
 class MissingRendererError(MaskvalError, ImportError):
     """pyrender, or OpenGL without a screen, which only `maskval.rendering.render` needs, is not there."""

@@ -6,9 +6,10 @@ from typing import Protocol, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from maskval.arrays import floats
 from maskval.camera import Camera
 from maskval.errors import InvalidEstimatesError
-from maskval.geometry import Pose
+from maskval.geometry import Pose, as_pose, as_poses
 from maskval.mesh import Mesh
 
 
@@ -21,6 +22,7 @@ class Estimates:
         mesh: The part.
         masks: The detector's masks, (N, H, W), bool.
         poses: `poses[e][i]` is estimator e's pose X_CO of detection i, made from mask i; estimator 0 is the one used.
+            Homogeneous matrices, (E, N, 4, 4), will do as well.
         scores: The detector's confidences, (N,).
         pixel_center: Where pixel i of the images is sampled, u = i + pixel_center.
         depth: Measured z-depth, (H, W), metres, 0 where nothing was measured; None without a depth camera.
@@ -41,14 +43,17 @@ class Estimates:
     X_BC: Pose | None = None
 
     def __post_init__(self) -> None:
-        masks, scores = _kept(self.masks), np.array(self.scores, dtype=np.float64)
+        masks, scores = _kept(self.masks), floats("scores", self.scores, InvalidEstimatesError)
         size = (self.camera.height, self.camera.width)
         if masks.dtype != np.bool_ or masks.ndim != 3 or masks.shape[1:] != size:
             raise InvalidEstimatesError(
                 f"masks must be bool of shape (N, {size[0]}, {size[1]}), but are {masks.dtype} of {masks.shape}"
             )
-        if not self.poses:
+        if len(self.poses) == 0:
             raise InvalidEstimatesError("poses must hold those of at least one estimator, but hold none")
+        object.__setattr__(self, "poses", tuple(as_poses(poses) for poses in self.poses))
+        if self.X_BC is not None:
+            object.__setattr__(self, "X_BC", as_pose(self.X_BC))
         for e, poses in enumerate(self.poses):
             if len(poses) != len(masks):
                 raise InvalidEstimatesError(
@@ -60,7 +65,6 @@ class Estimates:
         for name, array in (("masks", masks), ("scores", scores)):
             array.setflags(write=False)
             object.__setattr__(self, name, array)
-        object.__setattr__(self, "poses", tuple(tuple(poses) for poses in self.poses))
         if self.depth is not None:
             object.__setattr__(self, "depth", _depth(self.depth, size))
 

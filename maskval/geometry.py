@@ -8,6 +8,7 @@ from typing import ClassVar, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from maskval.arrays import floats
 from maskval.errors import InvalidPoseError
 
 # A float32 rotation is orthonormal to about 2e-7; a matrix typed with five digits is not a rotation.
@@ -125,7 +126,7 @@ class Pose:
         Args:
             points_B: Points in frame B, (..., 3), metres.
         """
-        points = np.asarray(points_B, dtype=np.float64)
+        points = floats("points_B", points_B, InvalidPoseError)
         if points.shape[-1:] != (3,):
             raise InvalidPoseError(f"points_B must have shape (..., 3), but has {points.shape}")
         moved: NDArray[np.float64] = points @ self.rotation.T + self.translation
@@ -153,6 +154,36 @@ class Pose:
         scale = 2 * math.atan2(sine, float(q[0])) / sine if sine > 1e-8 else 2.0
         rotvec: NDArray[np.float64] = scale * q[1:]
         return rotvec
+
+
+PoseLike = Pose | ArrayLike  # a pose, or its homogeneous matrix, (4, 4)
+PosesLike = Sequence[Pose | ArrayLike] | NDArray[np.float64]  # N of them, or an array (N, 4, 4)
+
+
+def as_pose(X: PoseLike) -> Pose:
+    """The pose, of a pose or of its homogeneous matrix, (4, 4).
+
+    Raises:
+        InvalidPoseError: If it is neither.
+    """
+    return X if isinstance(X, Pose) else Pose.from_matrix(X)
+
+
+def as_poses(poses: PosesLike) -> tuple[Pose, ...]:
+    """The poses, of poses, of homogeneous matrices, (N, 4, 4), or of a list of either.
+
+    Raises:
+        InvalidPoseError: If one is neither; the message says which.
+    """
+    if isinstance(poses, Pose) or not isinstance(poses, Sequence | np.ndarray):
+        raise InvalidPoseError(f"poses must be a list of poses or an array (N, 4, 4), but are {type(poses).__name__}")
+    made = []
+    for index, X in enumerate(poses):
+        try:
+            made.append(as_pose(X))
+        except InvalidPoseError as error:
+            raise InvalidPoseError(f"pose {index}: {error}") from error
+    return tuple(made)
 
 
 def angle_between(R1: NDArray[np.float64], R2: NDArray[np.float64]) -> float:
@@ -185,7 +216,7 @@ def _dot(a: Sequence[float], b: Sequence[float]) -> float:
 
 
 def _array(name: str, value: ArrayLike, shape: tuple[int, ...]) -> NDArray[np.float64]:
-    array = np.array(value, dtype=np.float64)
+    array = floats(name, value, InvalidPoseError)
     if array.shape != shape:
         raise InvalidPoseError(f"{name} must have shape {shape}, but has {array.shape}")
     if not all(map(math.isfinite, array.ravel().tolist())):

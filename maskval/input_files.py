@@ -9,6 +9,7 @@ from maskval.errors import InvalidFileError
 MOST_TEXT = 64 * 2**20  # bytes; the largest text of the package has 100 kB
 MOST_RESULTS = 2 * 2**30  # bytes of BOP's results files, which hold all images of a split
 MOST_MESH = 512 * 2**20  # bytes; ten million triangles as STL
+MOST_IMAGE = 512 * 2**20  # bytes; 2^28 grey pixels of 16 bits, not compressed
 
 _KINDS = {
     stat.S_IFDIR: "a folder",
@@ -49,9 +50,10 @@ def read_input(path: Path, most: int = MOST_TEXT) -> bytes:
     try:
         descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)  # a pipe without a writer would block
         try:
-            _check(path, os.fstat(descriptor), most)  # of what was opened, whatever the path says by then
+            status = os.fstat(descriptor)  # of what was opened, whatever the path says by then
+            _check(path, status, most)
             with open(descriptor, "rb", closefd=False) as file:
-                return file.read(most)
+                return file.read(status.st_size)  # Python makes room for all that it is asked for
         finally:
             os.close(descriptor)
     except OSError as error:

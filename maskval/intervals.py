@@ -5,6 +5,9 @@ import scipy
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import betaincinv
 
+from maskval.arrays import check_number, floats
+from maskval.errors import InvalidArgumentError
+
 
 def proportion_interval(successes: int, trials: int, level: float = 0.95) -> tuple[float, float] | None:
     """The exact (Clopper-Pearson) two-sided interval of a proportion, or None without trials.
@@ -14,8 +17,8 @@ def proportion_interval(successes: int, trials: int, level: float = 0.95) -> tup
         trials: Number of independent trials, >= 0.
         level: Confidence level, in (0, 1).
     """
-    if not 0 <= successes <= trials:
-        raise ValueError(f"successes must be in 0..{trials} (trials), but is {successes}")
+    check_number("trials", trials, least=0)
+    check_number("successes", successes, least=0, most=trials)
     _check_level(level)
     if trials == 0:
         return None
@@ -65,8 +68,7 @@ def bootstrap_mean_interval(
         resamples: Number of bootstrap samples, >= 1.
     """
     sample = _sample(values)
-    if resamples < 1:
-        raise ValueError(f"resamples must be >= 1, but is {resamples}")
+    check_number("resamples", resamples, least=1)
     _check_level(level)
     if len(sample) == 0:
         return None
@@ -85,7 +87,7 @@ def percentile_interval(statistics: ArrayLike, level: float = 0.95) -> tuple[flo
         level: Share that lies between the ends, in (0, 1).
     """
     _check_level(level)
-    drawn = np.asarray(statistics, dtype=np.float64)
+    drawn = floats("statistics", statistics)
     if len(drawn) < round(2 / (1 - level)):
         return None
     low, high = np.quantile(drawn, ((1 - level) / 2, (1 + level) / 2))
@@ -93,12 +95,11 @@ def percentile_interval(statistics: ArrayLike, level: float = 0.95) -> tuple[flo
 
 
 def _sample(values: ArrayLike) -> NDArray[np.float64]:
-    sample = np.asarray(values, dtype=np.float64)
+    sample = floats("values", values)
     if sample.ndim != 1 or not np.isfinite(sample).all():
-        raise ValueError(f"values must be finite and of shape (N,), but have shape {sample.shape}")
+        raise InvalidArgumentError(f"values must be finite and of shape (N,), but have shape {sample.shape}")
     return sample
 
 
 def _check_level(level: float) -> None:
-    if not 0 < level < 1:
-        raise ValueError(f"level must be in (0, 1), but is {level}")
+    check_number("level", level, least=0, most=1, ends="()")

@@ -10,7 +10,8 @@ from typing import Any, Literal, Self, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from maskval.errors import InvalidMaskError
+from maskval.arrays import floats
+from maskval.errors import InvalidArgumentError, InvalidMaskError
 
 Implementation = Literal["numba", "numpy"]
 Packed = tuple[NDArray[np.uint64], NDArray[np.int64], bool]
@@ -100,6 +101,11 @@ class PackedMasks:
         stack = np.array(masks, dtype=np.bool_).reshape(len(masks), height, width)
         return cls.pack(stack, implementation=implementation)
 
+    def unpack(self) -> NDArray[np.bool_]:
+        """The masks as pixels, (K, H, W)."""
+        bits = np.unpackbits(self.words.astype("<u8").view(np.uint8), axis=-1, bitorder="little")
+        return bits[..., : self.width].view(np.bool_)
+
     @property
     def height(self) -> int:
         """Image height H, pixels."""
@@ -148,8 +154,7 @@ def mask_from_rle(counts: Sequence[int] | str | bytes, height: int, width: int) 
         InvalidMaskError: If the image has no pixels or more than 2^28, a count is negative or no whole number, or the
             counts do not add up to H W.
     """
-    if min(height, width) < 1 or height * width > MAXIMUM_PIXELS:
-        raise InvalidMaskError(f"a mask must have 1 to {MAXIMUM_PIXELS} pixels, but has {height} x {width}")
+    _check_size(height, width)
     runs = _runs(counts)
     if min(runs, default=0) < 0:
         raise InvalidMaskError(f"counts must be whole numbers >= 0, but are {str(counts)[:60]}")
@@ -157,6 +162,38 @@ def mask_from_rle(counts: Sequence[int] | str | bytes, height: int, width: int) 
     if sum(runs) != height * width:
         raise InvalidMaskError(f"counts must add up to {height} x {width} = {height * width}, but to {sum(runs)}")
     return np.repeat(np.arange(len(runs)) % 2 == 1, runs).reshape((height, width), order="F")
+
+
+def mask_from_polygons(polygons: Sequence[Sequence[float]], height: int, width: int) -> NDArray[np.bool_]:
+    """The mask of COCO's polygons, (H, W), drawn as COCO draws them.
+
+    Args:
+        polygons: The corners of each part of the mask, u and v in turn, three corners or more, pixels.
+        height: Image height H, pixels.
+        width: Image width W, pixels.
+
+    Raises:
+        InvalidMaskError: If there is no polygon, one has fewer corners or one outside of the image, or the image's
+            size is none.
+    """
+    _check_size(height, width)
+    if not polygons:
+        raise InvalidMaskError("a mask must have at least one polygon, but has none")
+    for polygon in polygons:
+        corners = floats("a polygon", polygon, InvalidMaskError)
+        if corners.ndim != 1 or len(corners) < 6 or len(corners) % 2:
+            raise InvalidMaskError(f"a polygon must have u and v of at least 3 corners, but has {len(polygon)} numbers")
+        places = corners.reshape(-1, 2)
+        if not ((places >= -1) & (places <= (width + 1, height + 1))).all():
+            raise InvalidMaskError(f"polygons must lie in the image of {height} x {width}, but reach beyond it")
+    drawn = import_module("pycocotools.mask").frPyObjects([list(polygon) for polygon in polygons], height, width)
+    mask: NDArray[np.bool_] = np.any([mask_from_rle(part["counts"], height, width) for part in drawn], axis=0)
+    return mask
+
+
+def _check_size(height: int, width: int) -> None:
+    if min(height, width) < 1 or height * width > MAXIMUM_PIXELS:
+        raise InvalidMaskError(f"a mask must have 1 to {MAXIMUM_PIXELS} pixels, but has {height} x {width}")
 
 
 def _runs(counts: Sequence[int] | str | bytes) -> list[int]:
@@ -201,7 +238,7 @@ def _packer(implementation: Implementation) -> Callable[[NDArray[np.uint8], tupl
         return cast("Callable[..., Packed]", import_module("maskval.packing").pack)
     if implementation == "numpy":
         return _pack
-    raise ValueError(f"implementation must be one of ['numba', 'numpy'], but is {implementation!r}")
+    raise InvalidArgumentError(f"implementation must be one of ['numba', 'numpy'], but is {implementation!r}")
 
 
 def _pack(pixels: NDArray[np.uint8], shape: tuple[int, int, int]) -> Packed:
@@ -221,7 +258,10 @@ def _binary(mask: NDArray[Any]) -> NDArray[np.bool_]:
 
 
 def _mask_array(mask: NDArray[Any], dimensions: tuple[int, ...]) -> NDArray[Any]:
-    array = np.asarray(mask)
+    try:
+        array = np.asarray(mask)
+    except ValueError as error:  # ragged lists
+        raise InvalidMaskError(f"masks must be of one size, but are not: {error}") from error
     if array.ndim not in dimensions:
         wanted = " or ".join("(K, H, W)" if n == 3 else "(H, W)" for n in dimensions)
         raise InvalidMaskError(f"a mask must have shape {wanted}, but has {array.shape}")

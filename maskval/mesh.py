@@ -8,6 +8,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from maskval.arrays import floats
 from maskval.contour import ContourEdges, contour_edges
 from maskval.errors import InvalidMeshError
 
@@ -35,7 +36,7 @@ class Mesh:
     edges: ContourEdges = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        vertices = np.array(self.vertices, dtype=np.float64, order="C")
+        vertices = np.ascontiguousarray(floats("vertices", self.vertices, InvalidMeshError))
         faces = _indices(self.faces)
         if vertices.ndim != 2 or vertices.shape[1] != 3:
             raise InvalidMeshError(f"vertices must have shape (V, 3), but have {vertices.shape}")
@@ -105,7 +106,10 @@ class Mesh:
 
 
 def _indices(faces: NDArray[Any]) -> NDArray[np.int32]:
-    indices = np.asarray(faces)
+    try:
+        indices = np.asarray(faces)
+    except ValueError as error:  # ragged lists
+        raise InvalidMeshError(f"faces must be triangles, (F, 3), but are not of one length: {error}") from error
     if indices.size == 0:
         return np.empty((0, 3), dtype=np.int32)
     if indices.ndim != 2 or indices.shape[1] != 3 or indices.dtype.kind not in "iu":

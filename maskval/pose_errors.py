@@ -1,20 +1,20 @@
 """How far an estimated pose is from the true one, by BOP's definitions (VSD: `maskval.evaluation.visible_surface`).
 
-X_AO is the pose of the object in any frame A, X_CO that in the camera's. All points are the model's.
+X_AO is the pose of the object in any frame A, X_CO that in the camera's. Matrices (4, 4) will do for poses. All points
+are the model's.
 """
-
-from collections.abc import Sequence
 
 import numpy as np
 import scipy
 from numpy.typing import ArrayLike, NDArray
 
+from maskval.arrays import floats
 from maskval.camera import Camera
 from maskval.errors import InvalidPoseError
-from maskval.geometry import Pose, angle_between
+from maskval.geometry import Pose, PoseLike, PosesLike, angle_between, as_pose, as_poses
 
 
-def mdd(X_AO_est: Pose, X_AO_true: Pose, points_O: ArrayLike) -> float:
+def mdd(X_AO_est: PoseLike, X_AO_true: PoseLike, points_O: ArrayLike) -> float:
     """The maximum distance error, metres: max over x in M of ‖p̂ x − p̄ x‖.
 
     Args:
@@ -25,7 +25,7 @@ def mdd(X_AO_est: Pose, X_AO_true: Pose, points_O: ArrayLike) -> float:
     return float(_displacements(X_AO_est, X_AO_true, _points(points_O)).max())
 
 
-def add(X_AO_est: Pose, X_AO_true: Pose, points_O: ArrayLike) -> float:
+def add(X_AO_est: PoseLike, X_AO_true: PoseLike, points_O: ArrayLike) -> float:
     """The average distance (ADD), metres: mean over x in M of ‖p̂ x − p̄ x‖.
 
     Args:
@@ -36,7 +36,7 @@ def add(X_AO_est: Pose, X_AO_true: Pose, points_O: ArrayLike) -> float:
     return float(_displacements(X_AO_est, X_AO_true, _points(points_O)).mean())
 
 
-def add_s(X_AO_est: Pose, X_AO_true: Pose, points_O: ArrayLike) -> float:
+def add_s(X_AO_est: PoseLike, X_AO_true: PoseLike, points_O: ArrayLike) -> float:
     """The average distance of indistinguishable views (ADD-S, BOP's ADI), metres: mean of min over y of ‖p̂ y − p̄ x‖.
 
     Args:
@@ -46,12 +46,12 @@ def add_s(X_AO_est: Pose, X_AO_true: Pose, points_O: ArrayLike) -> float:
     """
     points = _points(points_O)
     # Distances do not depend on the frame: compare the points, moved by the error, with where they were.
-    moved = (X_AO_est.inverse() @ X_AO_true).apply(points)
+    moved = (as_pose(X_AO_est).inverse() @ as_pose(X_AO_true)).apply(points)
     distances, _ = scipy.spatial.cKDTree(points).query(moved)
     return float(distances.mean())
 
 
-def mssd(X_AO_est: Pose, X_AO_true: Pose, points_O: ArrayLike, symmetries: Sequence[Pose]) -> float:
+def mssd(X_AO_est: PoseLike, X_AO_true: PoseLike, points_O: ArrayLike, symmetries: PosesLike) -> float:
     """The maximum symmetry-aware surface distance, metres: min over S of max over x of ‖p̂ x − p̄ S x‖.
 
     Args:
@@ -60,11 +60,11 @@ def mssd(X_AO_est: Pose, X_AO_true: Pose, points_O: ArrayLike, symmetries: Seque
         points_O: The model's points, (P, 3), metres, P >= 1.
         symmetries: Poses that the object looks alike in, the identity among them (see `symmetry_poses`).
     """
-    points = _points(points_O)
+    points, X_AO_true = _points(points_O), as_pose(X_AO_true)
     return min(float(_displacements(X_AO_est, X_AO_true @ S, points).max()) for S in _symmetries(symmetries))
 
 
-def mspd(X_CO_est: Pose, X_CO_true: Pose, points_O: ArrayLike, symmetries: Sequence[Pose], camera: Camera) -> float:
+def mspd(X_CO_est: PoseLike, X_CO_true: PoseLike, points_O: ArrayLike, symmetries: PosesLike, camera: Camera) -> float:
     """The maximum symmetry-aware projection distance, pixels: min over S of max over x of ‖π(p̂ x) − π(p̄ S x)‖.
 
     Args:
@@ -74,49 +74,49 @@ def mspd(X_CO_est: Pose, X_CO_true: Pose, points_O: ArrayLike, symmetries: Seque
         symmetries: Poses that the object looks alike in, the identity among them (see `symmetry_poses`).
         camera: Intrinsics π.
     """
-    points = _points(points_O)
-    estimated = camera.project(X_CO_est.apply(points))
+    points, X_CO_true = _points(points_O), as_pose(X_CO_true)
+    estimated = camera.project(as_pose(X_CO_est).apply(points))
     return min(
         float(np.linalg.norm(estimated - camera.project((X_CO_true @ S).apply(points)), axis=1).max())
         for S in _symmetries(symmetries)
     )
 
 
-def rotation_error(X_AO_est: Pose, X_AO_true: Pose) -> float:
+def rotation_error(X_AO_est: PoseLike, X_AO_true: PoseLike) -> float:
     """The angle between the rotations, radians, in [0, π].
 
     Args:
         X_AO_est: Estimated pose of the object.
         X_AO_true: True pose of the object in the same frame.
     """
-    return angle_between(X_AO_true.rotation, X_AO_est.rotation)
+    return angle_between(as_pose(X_AO_true).rotation, as_pose(X_AO_est).rotation)
 
 
-def translation_error(X_AO_est: Pose, X_AO_true: Pose) -> float:
+def translation_error(X_AO_est: PoseLike, X_AO_true: PoseLike) -> float:
     """The distance between the translations, metres.
 
     Args:
         X_AO_est: Estimated pose of the object.
         X_AO_true: True pose of the object in the same frame.
     """
-    return float(np.linalg.norm(X_AO_est.translation - X_AO_true.translation))
+    return float(np.linalg.norm(as_pose(X_AO_est).translation - as_pose(X_AO_true).translation))
 
 
 def _points(points_O: ArrayLike) -> NDArray[np.float64]:
-    points = np.asarray(points_O, dtype=np.float64)
+    points = floats("points_O", points_O, InvalidPoseError)
     if points.ndim != 2 or points.shape[1] != 3 or len(points) == 0:
         raise InvalidPoseError(f"points_O must have shape (P, 3) with P >= 1, but has {points.shape}")
     return points
 
 
-def _symmetries(symmetries: Sequence[Pose]) -> Sequence[Pose]:
+def _symmetries(symmetries: PosesLike) -> tuple[Pose, ...]:
     if len(symmetries) == 0:
         raise InvalidPoseError("symmetries must hold at least the identity, but are empty")
-    return symmetries
+    return as_poses(symmetries)
 
 
-def _displacements(X_AO_est: Pose, X_AO_true: Pose, points_O: NDArray[np.float64]) -> NDArray[np.float64]:
-    rotation = X_AO_est.rotation - X_AO_true.rotation
-    shift = points_O @ rotation.T + (X_AO_est.translation - X_AO_true.translation)
+def _displacements(X_AO_est: PoseLike, X_AO_true: PoseLike, points_O: NDArray[np.float64]) -> NDArray[np.float64]:
+    est, true = as_pose(X_AO_est), as_pose(X_AO_true)
+    shift = points_O @ (est.rotation - true.rotation).T + (est.translation - true.translation)
     distances: NDArray[np.float64] = np.sqrt(np.einsum("ij,ij->i", shift, shift))
     return distances

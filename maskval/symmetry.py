@@ -9,8 +9,9 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from maskval.arrays import check_number, floats
 from maskval.errors import InvalidPoseError
-from maskval.geometry import Pose
+from maskval.geometry import Pose, PosesLike, as_poses
 from maskval.mesh import Mesh
 
 # BOP's evaluation turns an object so that its farthest vertex moves by at most 1 % of the diameter per step.
@@ -32,7 +33,7 @@ class SymmetryAxis:
 
     def __post_init__(self) -> None:
         for name in ("axis_O", "offset_O"):
-            vector = np.array(getattr(self, name), dtype=np.float64)
+            vector = floats(name, getattr(self, name), InvalidPoseError)
             if vector.shape != (3,) or not np.isfinite(vector).all():
                 raise InvalidPoseError(f"{name} must be three finite numbers, but is {vector}")
             if name == "axis_O":
@@ -77,17 +78,16 @@ def right_angle_symmetries(mesh: Mesh) -> tuple[Pose, ...]:
 
 
 def symmetry_poses(
-    discrete: Sequence[Pose] = (), axes: Sequence[SymmetryAxis] = (), *, maximum_step: float = MAXIMUM_STEP
+    discrete: PosesLike = (), axes: Sequence[SymmetryAxis] = (), *, maximum_step: float = MAXIMUM_STEP
 ) -> tuple[Pose, ...]:
     """BOP's set of poses that an object looks alike in, in its own frame; the identity is the first.
 
     Args:
         discrete: The discrete symmetries without the identity.
         axes: The axes of continuous symmetry, each sampled in ceil(π / maximum_step) turns.
-        maximum_step: Greatest way of the farthest vertex in one turn, as a share of the diameter, in (0, π].
+        maximum_step: Greatest way of the farthest vertex in one turn, as a share of the diameter, in [0.0001, π].
     """
-    if not 0 < maximum_step <= math.pi:
-        raise InvalidPoseError(f"maximum_step must be in (0, π], but is {maximum_step}")
+    check_number("maximum_step", maximum_step, InvalidPoseError, least=1e-4, most=math.pi)
     steps = math.ceil(math.pi / maximum_step)
     turns = [axis.turn(2 * math.pi * i / steps) for axis in axes for i in range(steps)] or [Pose.identity()]
-    return tuple(turn @ fixed for fixed in (Pose.identity(), *discrete) for turn in turns)
+    return tuple(turn @ fixed for fixed in (Pose.identity(), *as_poses(discrete)) for turn in turns)

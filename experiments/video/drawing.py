@@ -37,6 +37,17 @@ def write(image: Image, text: str, left_base: tuple[int, int], *, height: float,
     return int(min(wide, width))
 
 
+def tint(image: Image, mask: NDArray[np.bool_], color: Color, share: float = 0.35) -> None:
+    """Mixes a colour into what a mask covers, by its share."""
+    image[mask] = np.rint((1 - share) * image[mask] + share * np.array(color)).astype(np.uint8)
+
+
+def outline(image: Image, mask: NDArray[np.bool_], color: Color, thickness: int) -> None:
+    """Draws the outline of a mask, so many pixels thick."""
+    found, _ = cv2.findContours(mask.astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+    cv2.drawContours(image, found, -1, color, thickness, cv2.LINE_AA)
+
+
 def label(image: Image, text: str, left_top: tuple[int, int], *, height: float, color: Color, ground: Color) -> None:
     """Draws a line of text on a box of a colour, which it makes as wide as it must be."""
     scale = height / _CAPITAL

@@ -1,15 +1,12 @@
 """A look as a picture: what the detector found, and the model where the network estimates it."""
 
-import cv2
 import numpy as np
 
 from cell.part import Part
 from cell.records import DecisionRecord
-from experiments.video.drawing import BLACK, MASK, MODEL, WHITE, Image, write
+from experiments.video.drawing import BLACK, MASK, MODEL, WHITE, Image, outline, tint, write
 from maskval import silhouette
 from sim.instance_ids import PIXEL_CENTER
-
-_TINT = 0.35  # share of the mask's colour in what it covers
 
 
 def overlaid(picture: Image, decided: DecisionRecord, part: Part) -> Image:
@@ -24,11 +21,10 @@ def overlaid(picture: Image, decided: DecisionRecord, part: Part) -> Image:
     for index, detection in enumerate(observation.detections):
         is_chosen = index == decided.decision.detection
         mask = detection.mask
-        image[mask] = np.rint((1 - _TINT) * image[mask] + _TINT * np.array(MASK)).astype(np.uint8)
+        tint(image, mask, MASK)
         seen = silhouette(part.mesh, observation.poses[0][index], observation.frame.camera, pixel_center=PIXEL_CENTER)
         for shape, color, thickness in ((mask, MASK, 5 if is_chosen else 2), (seen.mask, MODEL, 2 if is_chosen else 1)):
-            outline, _ = cv2.findContours(shape.astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
-            cv2.drawContours(image, outline, -1, color, thickness, cv2.LINE_AA)
+            outline(image, shape, color, thickness)
         rows, columns = np.nonzero(mask)
         if len(rows):
             width = image.shape[1] - 140

@@ -8,10 +8,11 @@ from pathlib import Path
 from typing import NamedTuple, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from maskval.bop.detections import DetectionResult
-from maskval.bop.fields import is_whole
-from maskval.bop.images import mask_path, read_mask
+from maskval.bop.fields import is_whole, read_json
+from maskval.bop.images import mask_path, png_size, read_mask, read_photo
 from maskval.bop.models import ModelInfo, read_model, read_models_info
 from maskval.bop.scenes import (
     GroundTruth,
@@ -79,6 +80,8 @@ class Scene:
             raise InvalidFileError(
                 f"{info}: {im_id}: expected {len(parts)} parts as in scene_gt.json, but found {len(infos)}"
             )
+        if len({(part.obj_id, part.X_CO.matrix.tobytes()) for part in parts}) < len(parts):
+            raise InvalidFileError(f"{truth}: {im_id}: expected each part once, but two have one pose")
         return list(zip(parts, infos, strict=True))
 
 
@@ -101,6 +104,8 @@ class Dataset:
         self._split = split
         self._scenes: dict[int, Scene] = {}
         self._meshes: dict[int, Mesh] = {}
+        self._camera_file = folder / "camera.json"
+        self._camera_size: tuple[int, int] | None = None
 
     @property
     def scene_ids(self) -> list[int]:
@@ -121,14 +126,71 @@ class Dataset:
         return self._scenes[scene_id]
 
     def mesh(self, obj_id: int) -> Mesh:
-        """The mesh of an object, read once."""
+        """The mesh of an object, read once.
+
+        Raises:
+            InvalidFileError: If there is no such object, or its file is malformed.
+        """
         if obj_id not in self._meshes:
-            self._meshes[obj_id] = read_model(self._folder / "models" / f"obj_{obj_id:06d}.ply")
+            path = self._folder / "models" / f"obj_{obj_id:06d}.ply"
+            if not path.exists():
+                available = ", ".join(sorted(other.name for other in path.parent.glob("obj_*.ply"))) or "none"
+                raise InvalidFileError(
+                    f"{path} does not exist: expected the model of the object {obj_id}, got {available[:80]}"
+                )
+            self._meshes[obj_id] = read_model(path)
         return self._meshes[obj_id]
 
     def models(self) -> dict[int, ModelInfo]:
-        """What is known of the objects."""
+        """What is known of the objects.
+
+        Raises:
+            InvalidFileError: If there is no such file, or it is malformed.
+        """
         return read_models_info(self._folder / "models" / "models_info.json")
+
+    @property
+    def has_models_info(self) -> bool:
+        """Whether there is a file of what is known of the objects."""
+        return (self._folder / "models" / "models_info.json").exists()
+
+    def image_size(self, scene_id: int, im_id: int) -> tuple[int, int]:
+        """Height and width of an image, pixels: those of its picture, or else of the data set's camera.json.
+
+        Raises:
+            InvalidFileError: If there is neither.
+        """
+        size = self.known_image_size(scene_id, im_id)
+        if size is None:
+            raise InvalidFileError(
+                f"{self._folder}: expected the size of image {im_id} of scene {scene_id}, from camera.json "
+                "(width, height) or a picture rgb, gray or depth, .png"
+            )
+        return size
+
+    def photo(self, scene_id: int, im_id: int) -> NDArray[np.uint8] | None:
+        """The picture of an image, (H, W, 3), RGB, of rgb or gray, .png, .jpg or .tif; None where there is none.
+
+        Raises:
+            InvalidFileError: If it is no picture.
+        """
+        for kind in ("rgb", "gray"):
+            for ending in ("png", "jpg", "tif"):
+                path = self.scene(scene_id).folder / kind / f"{im_id:06d}.{ending}"
+                if path.exists():
+                    return read_photo(path)
+        return None
+
+    def known_image_size(self, scene_id: int, im_id: int) -> tuple[int, int] | None:
+        """Height and width of an image, pixels; None where nothing tells them."""
+        for kind in ("rgb", "gray", "depth"):
+            picture = self.scene(scene_id).folder / kind / f"{im_id:06d}.png"
+            if picture.exists():
+                return png_size(picture)
+        if self._camera_size is None and self._camera_file.exists():
+            camera = read_json(self._camera_file)
+            self._camera_size = camera["height"].identifier(), camera["width"].identifier()
+        return self._camera_size
 
     def targets(self) -> set[ImageObject]:
         """What an evaluation looks at: the targets of the split's file, or else every part of every image."""

@@ -1,15 +1,17 @@
 """Detections with masks as BOP's results JSON of 2022, after COCO: one object for each detection."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from maskval.bop.fields import Entry, read_json, write_entries
+from maskval.bop.fields import Entry, read_json, warn_of_scores, write_entries
 from maskval.errors import InvalidFileError, InvalidMaskError
-from maskval.masks import mask_from_rle, rle_counts
+from maskval.masks import mask_from_polygons, mask_from_rle, rle_counts
+
+ImageSize = Callable[[int, int], tuple[int, int]]  # height and width of the image of a scene and an image id, pixels
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -42,16 +44,27 @@ class DetectionResult:
         return mask_from_rle(self.rle, self.height, self.width)
 
 
-def read_detections(path: Path) -> list[DetectionResult]:
-    """The detections of a results file, their run lengths plain or compressed.
+def read_detections(path: Path, image_size: ImageSize | None = None) -> list[DetectionResult]:
+    """The detections of a results file, their masks as run lengths, plain or compressed, or as polygons.
 
     Args:
         path: The JSON file.
+        image_size: What tells the size of an image, which polygons are drawn into: `Dataset.image_size`.
 
     Raises:
-        InvalidFileError: If an entry is malformed or its run lengths do not fill the image.
+        InvalidFileError: If an entry is malformed or stands there twice, its run lengths do not fill the image, or
+            there are polygons and nothing tells the image's size.
     """
-    return [_detection(entry) for entry in read_json(path).elements()]
+    found: list[DetectionResult] = []
+    first: dict[tuple[object, ...], int] = {}
+    for index, entry in enumerate(read_json(path).elements()):
+        one = _detection(entry, image_size)
+        key = (one.scene_id, one.im_id, one.obj_id, one.score, one.rle)
+        if (before := first.setdefault(key, index)) != index:
+            raise InvalidFileError(f"{entry.place}: expected each detection once, but this is the one at [{before}]")
+        found.append(one)
+    warn_of_scores(path, [one.score for one in found])
+    return found
 
 
 def write_detections(path: Path, detections: Iterable[DetectionResult]) -> None:
@@ -78,8 +91,24 @@ def write_detections(path: Path, detections: Iterable[DetectionResult]) -> None:
     )
 
 
-def _detection(entry: Entry) -> DetectionResult:
+def _detection(entry: Entry, image_size: ImageSize | None) -> DetectionResult:
+    scene_id, im_id, obj_id = (entry[name].identifier() for name in ("scene_id", "image_id", "category_id"))
     segmentation = entry["segmentation"]
+    if isinstance(segmentation.value, list):
+        if image_size is None:
+            raise segmentation.error("run lengths, or image_size for polygons")
+        size = image_size(scene_id, im_id)
+        rle = _run_lengths_of_polygons(segmentation, *size)
+    else:
+        size, rle = _run_lengths(segmentation)
+    time_s = entry["time"].number() if "time" in entry else -1.0
+    if time_s < 0 and time_s != -1:
+        raise entry["time"].error("seconds >= 0, or -1")
+    return DetectionResult(scene_id, im_id, obj_id, entry["score"].number(), rle, *size, time_s)
+
+
+def _run_lengths(segmentation: Entry) -> tuple[tuple[int, int], tuple[int, ...]]:
+    """Height and width, and the run lengths."""
     size = [element.integer() for element in segmentation["size"].elements()]
     counts = segmentation["counts"]
     if len(size) != 2:
@@ -91,9 +120,15 @@ def _detection(entry: Entry) -> DetectionResult:
         rle = tuple(rle_counts(mask_from_rle(given, size[0], size[1])))
     except InvalidMaskError as error:
         raise InvalidFileError(f"{counts.place}: {error}") from error
-    ids = [entry[name].integer() for name in ("scene_id", "image_id", "category_id")]
-    time_s = entry["time"].number() if "time" in entry else -1.0
-    return DetectionResult(ids[0], ids[1], ids[2], entry["score"].number(), rle, size[0], size[1], time_s)
+    return (size[0], size[1]), rle
+
+
+def _run_lengths_of_polygons(segmentation: Entry, height: int, width: int) -> tuple[int, ...]:
+    polygons = [[number.number() for number in polygon.elements()] for polygon in segmentation.elements()]
+    try:
+        return tuple(rle_counts(mask_from_polygons(polygons, height, width)))
+    except InvalidMaskError as error:
+        raise InvalidFileError(f"{segmentation.place}: {error}") from error
 
 
 def detection_of_mask(scene_id: int, im_id: int, obj_id: int, score: float, mask: NDArray[np.bool_]) -> DetectionResult:

@@ -1,8 +1,10 @@
 """Reading JSON with errors that say where: the file, the entry in it, and what was expected there."""
 
 import gzip
+import io
 import json
 import sys
+import warnings
 import zlib
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -12,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from maskval.bop.places import Place
-from maskval.errors import InvalidFileError
+from maskval.errors import ImplausibleInputWarning, InvalidFileError
+from maskval.input_files import MOST_RESULTS, read_input
 
 M_PER_MM = 1e-3
 _GREATEST = sys.float_info.max
@@ -70,6 +73,12 @@ class Entry:
             raise self.error("a whole number")
         return self.value
 
+    def identifier(self) -> int:
+        """A whole number >= 0."""
+        if self.integer() < 0:
+            raise self.error("a whole number >= 0")
+        return self.integer()
+
     def number(self) -> float:
         """A finite number."""
         number = self.value
@@ -85,8 +94,21 @@ class Entry:
 
 
 def is_whole(text: str) -> bool:
-    """Whether a text is a whole number >= 0 that 64 bits hold: at most 18 digits, and no other letters."""
-    return text.isdecimal() and len(text) <= 18
+    """Whether a text is a whole number >= 0 that 64 bits hold: at most 18 digits from 0 to 9, and no other letters."""
+    return text.isascii() and text.isdecimal() and len(text) <= 18
+
+
+def numbers_of(text: str) -> list[float] | None:
+    """The numbers of a text, parted by spaces; None where a word is none.
+
+    Python's own reading is wider than any file's: it takes 1_000 and the digits of other scripts.
+    """
+    if "_" in text or not text.isascii():
+        return None
+    try:
+        return [float(word) for word in text.split()]
+    except ValueError:
+        return None
 
 
 def read_json(path: Path) -> Entry:
@@ -96,21 +118,40 @@ def read_json(path: Path) -> Entry:
         path: The file; what it begins with tells whether it is compressed, whatever its name.
 
     Raises:
-        InvalidFileError: If it is no JSON.
+        InvalidFileError: If it is no JSON, an object has a key twice, or it is no regular file of at most 2 GiB.
     """
-    content = path.read_bytes()
+    content = read_input(path, MOST_RESULTS)
     if content.startswith(_GZIP):
-        try:
-            content = gzip.decompress(content)
-        except (OSError, EOFError, zlib.error) as error:
-            raise InvalidFileError(f"{path}: expected a whole gzip file: {error}") from error
+        content = _unpacked(path, content)
     try:
         text = content.decode("utf-8")
-        return Entry(json.loads(text), Place(str(path), text))
+        return Entry(json.loads(text, object_pairs_hook=_object), Place(str(path), text))
     except json.JSONDecodeError as error:
         raise InvalidFileError(f"{path}:{error.lineno}:{error.colno}: expected JSON: {error.msg}") from error
-    except (ValueError, RecursionError) as error:  # no UTF-8, a number of thousands of digits, lists a thousand deep
+    except (ValueError, RecursionError) as error:  # no UTF-8, a key twice, a number of thousands of digits, depth
         raise InvalidFileError(f"{path}: expected JSON: {error}") from error
+
+
+def _unpacked(path: Path, content: bytes) -> bytes:
+    """The content of a gzip file; a small one may hold more than any memory."""
+    try:
+        with gzip.GzipFile(fileobj=io.BytesIO(content)) as file:
+            unpacked = file.read(MOST_RESULTS + 1)
+    except (OSError, EOFError, zlib.error) as error:
+        raise InvalidFileError(f"{path}: expected a whole gzip file: {error}") from error
+    if len(unpacked) > MOST_RESULTS:
+        raise InvalidFileError(f"{path}: expected at most {MOST_RESULTS} bytes once unpacked, but there are more")
+    return unpacked
+
+
+def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """A JSON object, of whose equal keys Python would silently keep the last."""
+    made = dict(pairs)
+    if len(made) < len(pairs):
+        keys = [key for key, _ in pairs]
+        twice = next(key for index, key in enumerate(keys) if key in keys[:index])
+        raise ValueError(f"an object with each key once, but {twice[:60]!r} stands there twice")
+    return made
 
 
 def write_entries(path: Path, entries: dict[str, Any] | Sequence[Any]) -> None:
@@ -130,5 +171,18 @@ def write_entries(path: Path, entries: dict[str, Any] | Sequence[Any]) -> None:
 
 
 def _shown(value: Any) -> str:
-    text = json.dumps(value)
+    try:
+        text = json.dumps(value)
+    except RecursionError:
+        return "lists in lists, a thousand deep"
     return text if len(text) <= 60 else text[:57] + "..."
+
+
+def warn_of_scores(path: Path, scores: Sequence[float]) -> None:
+    """Warns, once a file, of scores that are no confidences: BOP allows any, but they may stand in a wrong column."""
+    if scores and not 0 <= min(scores) <= max(scores) <= 1:
+        warnings.warn(
+            f"{path}: expected scores in 0..1, got {min(scores):g} to {max(scores):g}; they only rank poses",
+            ImplausibleInputWarning,
+            stacklevel=3,  # where the file was asked for
+        )

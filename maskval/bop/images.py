@@ -9,10 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from maskval.bop.fields import M_PER_MM
-from maskval.errors import InvalidFileError
+from maskval.errors import InvalidArgumentError, InvalidFileError
+from maskval.input_files import MOST_IMAGE, check_input, read_input
 from maskval.masks import MAXIMUM_PIXELS
 
 _PNG = b"\x89PNG\r\n\x1a\n"  # then the size of a block, IHDR, and the image's width and height
+_PNG_HEADER = 24  # bytes of these
 
 
 def mask_path(scene: Path, im_id: int, part: int, *, visible: bool = True) -> Path:
@@ -67,20 +69,49 @@ def write_depth(path: Path, depth: NDArray[Any], depth_scale: float = 1.0) -> No
     """
     steps = np.rint(np.asarray(depth, dtype=np.float64) / (depth_scale * M_PER_MM))
     if not ((steps >= 0) & (steps <= 65_535)).all():
-        raise ValueError(f"depth must be 0 to 65,535 steps of {depth_scale:g} mm, but is up to {steps.max():g}")
+        raise InvalidArgumentError(
+            f"depth must be 0 to 65,535 steps of {depth_scale:g} mm, but is up to {steps.max():g}"
+        )
     _write(path, steps.astype(np.uint16))
 
 
+def read_photo(path: Path) -> NDArray[np.uint8]:
+    """The picture of a file of 8 bits a channel, grey or colour, (H, W, 3), RGB.
+
+    Raises:
+        InvalidFileError: If it is none.
+    """
+    image = _read(path)
+    if image.dtype != np.uint8 or image.ndim > 3 or (image.ndim == 3 and image.shape[2] not in (3, 4)):
+        raise InvalidFileError(f"{path}: expected a picture of 8 bits, but found {image.dtype} {image.shape}")
+    conversion = cv2.COLOR_GRAY2RGB if image.ndim == 2 else cv2.COLOR_BGR2RGB
+    return np.asarray(cv2.cvtColor(np.ascontiguousarray(image[..., :3] if image.ndim == 3 else image), conversion))
+
+
+def png_size(path: Path) -> tuple[int, int]:
+    """Height and width of a PNG file, pixels, from its header.
+
+    Raises:
+        InvalidFileError: If it is none.
+    """
+    with check_input(path).open("rb") as file:
+        header = file.read(_PNG_HEADER)
+    if not header.startswith(_PNG) or len(header) < _PNG_HEADER:
+        raise InvalidFileError(f"{path}: expected a PNG file, but it does not begin as one")
+    width, height = struct.unpack(">II", header[16:])
+    return height, width
+
+
 def _read(path: Path) -> NDArray[Any]:
-    if not path.is_file():
-        raise FileNotFoundError(f"{path} is no file")
-    with path.open("rb") as file:
-        header = file.read(24)
-    if header.startswith(_PNG) and len(header) == 24:
-        width, height = struct.unpack(">II", header[16:])
+    content = read_input(path, MOST_IMAGE)
+    if content.startswith(_PNG) and len(content) >= _PNG_HEADER:
+        width, height = struct.unpack(">II", content[16:_PNG_HEADER])
         if width * height > MAXIMUM_PIXELS:
             raise InvalidFileError(f"{path}: expected at most {MAXIMUM_PIXELS} pixels, but found {width} x {height}")
-    image: NDArray[Any] | None = cv2.imread(str(path), cv2.IMREAD_UNCHANGED)
+    try:
+        image: NDArray[Any] | None = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_UNCHANGED)
+    except cv2.error:  # an empty file
+        image = None
     if image is None:
         raise InvalidFileError(f"{path}: expected an image, but it cannot be read as one")
     return image

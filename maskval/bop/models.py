@@ -11,7 +11,7 @@ from maskval.bop.fields import M_PER_MM, Entry, read_json, write_entries
 from maskval.bop.ply import read_ply, write_ply
 from maskval.bop.poses import PoseReader
 from maskval.errors import InvalidFileError, MaskvalError
-from maskval.geometry import Pose
+from maskval.geometry import Pose, as_poses
 from maskval.mesh import Mesh
 from maskval.symmetry import MAXIMUM_STEP, SymmetryAxis, symmetry_poses
 
@@ -29,6 +29,9 @@ class ModelInfo:
     diameter_m: float
     symmetries: tuple[Pose, ...] = ()
     axes: tuple[SymmetryAxis, ...] = ()
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "symmetries", as_poses(self.symmetries))
 
     def symmetry_poses(self, maximum_step: float = MAXIMUM_STEP) -> tuple[Pose, ...]:
         """All poses that the object looks alike in, the identity first (see `maskval.symmetry_poses`)."""
@@ -71,6 +74,8 @@ def _info(entry: Entry, poses: PoseReader) -> ModelInfo:
     symmetries = []
     for symmetry in entry["symmetries_discrete"].elements() if "symmetries_discrete" in entry else ():
         X = symmetry.numbers(16).reshape(4, 4)
+        if X[3].tolist() != [0, 0, 0, 1]:
+            raise symmetry.error("a symmetry whose last row is 0 0 0 1")
         symmetries.append(poses.pose(X[:3, :3].ravel(), X[:3, 3], symmetry.place))
     axes = []
     for axis in entry["symmetries_continuous"].elements() if "symmetries_continuous" in entry else ():

@@ -24,6 +24,12 @@ class Place:
     steps: tuple[str | int, ...] = ()
 
     def __str__(self) -> str:
+        try:
+            return self._printed()
+        except RecursionError:  # lists in lists, a thousand deep
+            return self.path
+
+    def _printed(self) -> str:
         position = _skip(self.text, 0)
         for step in self.steps:
             position = _member(self.text, position, step)

@@ -8,8 +8,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from maskval.bop.fields import is_whole
+from maskval.bop.fields import is_whole, numbers_of
 from maskval.errors import InvalidFileError
+from maskval.input_files import MOST_MESH, read_input
 
 TYPES = {
     "char": "i1",
@@ -54,7 +55,7 @@ def read_ply(path: Path) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     Raises:
         InvalidFileError: If the file is malformed; the message says the line, or the byte of a binary file.
     """
-    content = path.read_bytes()
+    content = read_input(path, MOST_MESH)
     order, elements, start, line = _header(path, content)
     if order:
         tables = _binary_tables(path, content, start, elements, order)
@@ -147,6 +148,8 @@ def _binary_tables(
                 fields.append((f"count of {prop.name}", order + prop.counted_by))
             fields.append((prop.name, order + prop.kind, (width,)) if width > 1 else (prop.name, order + prop.kind))
         kind = np.dtype(fields)
+        if element.rows and not fields:
+            raise InvalidFileError(f"{path}: expected properties of the {element.rows} {element.name}, but found none")
         stop = start + element.rows * kind.itemsize
         if stop > len(content):
             raise InvalidFileError(
@@ -190,15 +193,12 @@ def _numbers(path: Path, lines: list[str], line: int, element: _Element, columns
     """
     numbers = array("d")
     for index in range(min(element.rows, len(lines) + 1)):
-        words = lines[index].split() if index < len(lines) else []
-        try:
-            row = [float(word) for word in words]
-        except ValueError:
-            row = []
-        if len(row) != columns or index == len(lines):
+        text = lines[index] if index < len(lines) else ""
+        row = numbers_of(text)
+        if row is None or len(row) != columns or index == len(lines):
             raise InvalidFileError(
                 f"{path}:{line + index}:1: expected {columns} numbers of {element.name} {index}, "
-                f"but found {' '.join(words)[:40]!r}"
+                f"but found {' '.join(text.split())[:40]!r}"
             )
         numbers.extend(row)
     return np.array(numbers).reshape(element.rows, columns)

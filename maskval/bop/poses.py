@@ -17,6 +17,8 @@ from maskval.geometry import Pose
 # stay below the second, and so does LM-O: 187 of its 1,445 true rotations are off by more than 0.001, up to 0.0046.
 EXACT = 1e-3
 INEXACT = 1e-2
+# 10,000 km: farther than any place from the middle of the Earth, which maps may be given in.
+FARTHEST_MM = 1e10
 
 
 class PoseReader:
@@ -54,10 +56,14 @@ class PoseReader:
             place: Where the numbers stand, for the error.
 
         Raises:
-            InvalidFileError: If the matrix is no rotation.
+            InvalidFileError: If the matrix is no rotation, or the translation is longer than 10,000 km.
         """
+        if np.abs(translation_mm).max() > FARTHEST_MM:
+            raise InvalidFileError(
+                f"{place}: expected a translation within {FARTHEST_MM:g} mm, but found {translation_mm.tolist()}"
+            )
         R = rotation.reshape(3, 3)
-        left, _, right = np.linalg.svd(R)
+        left, _, right = np.linalg.svd(np.clip(R, -2, 2))  # what no rotation has may overflow
         nearest = left @ right
         try:
             pose = Pose(nearest, translation_mm * M_PER_MM)

@@ -8,10 +8,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from maskval.bop.fields import M_PER_MM, is_whole
+from maskval.bop.fields import M_PER_MM, is_whole, numbers_of, warn_of_scores
 from maskval.bop.poses import PoseReader
 from maskval.errors import InvalidFileError
-from maskval.geometry import Pose
+from maskval.geometry import Pose, as_pose
+from maskval.input_files import MOST_RESULTS, read_input_text
 
 FIELDS = ("scene_id", "im_id", "obj_id", "score", "R", "t", "time")
 # What BOP writes for a time that was not measured.
@@ -27,7 +28,7 @@ class PoseResult:
         im_id: Image in the scene.
         obj_id: Object.
         score: Confidence of the estimate; high is good.
-        X_CO: Pose of the object in the camera frame.
+        X_CO: Pose of the object in the camera frame, or its homogeneous matrix, (4, 4).
         time_s: Time that the method took for all of the image, seconds, or -1.
     """
 
@@ -38,6 +39,9 @@ class PoseResult:
     X_CO: Pose
     time_s: float = UNKNOWN_TIME
 
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "X_CO", as_pose(self.X_CO))
+
 
 def read_results(path: Path) -> list[PoseResult]:
     """The estimates of a results file, translations turned from millimetres to metres.
@@ -46,18 +50,19 @@ def read_results(path: Path) -> list[PoseResult]:
         path: The CSV file, with or without its header.
 
     Raises:
-        InvalidFileError: If a line is malformed; the message says file, line and column.
+        InvalidFileError: If a line is malformed or stands there twice; the message says file, line and column.
     """
-    try:
-        lines = path.read_text(encoding="utf-8").splitlines()
-    except UnicodeDecodeError as error:
-        raise InvalidFileError(f"{path}: expected text: {error}") from error
+    first_lines: dict[str, int] = {}
+    results = []
     with PoseReader(path) as poses:
-        return [
-            _result(line, f"{path}:{number}", poses)
-            for number, line in enumerate(lines, start=1)
-            if line.strip() and not (number == 1 and line.replace(" ", "") == ",".join(FIELDS))
-        ]
+        for number, line in enumerate(read_input_text(path, MOST_RESULTS).splitlines(), start=1):
+            if not line.strip() or (number == 1 and line.replace(" ", "") == ",".join(FIELDS)):
+                continue
+            results.append(_result(line, f"{path}:{number}", poses))
+            if (first := first_lines.setdefault(line, number)) != number:
+                raise InvalidFileError(f"{path}:{number}:1: expected each pose once, but this is that of line {first}")
+    warn_of_scores(path, [result.score for result in results])
+    return results
 
 
 def write_results(path: Path, results: Iterable[PoseResult]) -> None:
@@ -89,6 +94,8 @@ def _result(line: str, place: str, poses: PoseReader) -> PoseResult:
     (score,), rotation, translation_mm, (time_s,) = (
         _numbers(fields[k], count, places[k], FIELDS[k]) for k, count in ((3, 1), (4, 9), (5, 3), (6, 1))
     )
+    if time_s < 0 and time_s != UNKNOWN_TIME:
+        raise InvalidFileError(f"{places[6]}: expected time as seconds >= 0, or -1, but found {fields[6].strip()!r}")
     X_CO = poses.pose(rotation, translation_mm, places[4])
     return PoseResult(ids[0], ids[1], ids[2], float(score), X_CO, float(time_s))
 
@@ -100,11 +107,7 @@ def _integer(text: str, place: str, name: str) -> int:
 
 
 def _numbers(text: str, count: int, place: str, name: str) -> NDArray[np.float64]:
-    words = text.split()
-    try:
-        numbers = [float(word) for word in words]
-    except ValueError:
-        numbers = []
-    if len(numbers) != count or not all(map(math.isfinite, numbers)):
+    numbers = numbers_of(text)
+    if numbers is None or len(numbers) != count or not all(map(math.isfinite, numbers)):
         raise InvalidFileError(f"{place}: expected {name} as {count} finite numbers, but found {text.strip()!r}")
     return np.array(numbers)

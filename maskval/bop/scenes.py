@@ -8,13 +8,15 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from maskval.arrays import floats
 from maskval.bop.fields import M_PER_MM, Entry, read_json, write_entries
 from maskval.bop.poses import PoseReader
 from maskval.camera import Camera
-from maskval.errors import InvalidFileError, MaskvalError
-from maskval.geometry import Pose
+from maskval.errors import InvalidCameraError, InvalidFileError, MaskvalError
+from maskval.geometry import Pose, as_pose
 
 T = TypeVar("T")
+GREATEST_PX = 1e7  # of a focal length or principal point: beyond any lens, and what a kernel can count with
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -32,8 +34,10 @@ class ImageCamera:
     X_CW: Pose | None = None
 
     def __post_init__(self) -> None:
-        K = np.array(self.K, dtype=np.float64)
+        K = floats("K", self.K, InvalidCameraError)
         K.setflags(write=False)
+        if self.X_CW is not None:
+            object.__setattr__(self, "X_CW", as_pose(self.X_CW))
         object.__setattr__(self, "K", K)
 
     def camera(self, width: int, height: int) -> Camera:
@@ -47,11 +51,14 @@ class GroundTruth:
 
     Args:
         obj_id: Object.
-        X_CO: True pose of the object in the camera frame.
+        X_CO: True pose of the object in the camera frame, or its homogeneous matrix, (4, 4).
     """
 
     obj_id: int
     X_CO: Pose
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "X_CO", as_pose(self.X_CO))
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,7 +104,7 @@ def read_scene_gt(path: Path) -> dict[int, list[GroundTruth]]:
 
         def part(entry: Entry) -> GroundTruth:
             R, t = entry["cam_R_m2c"], entry["cam_t_m2c"]
-            return GroundTruth(entry["obj_id"].integer(), poses.pose(R.numbers(9), t.numbers(3), R.place))
+            return GroundTruth(entry["obj_id"].identifier(), poses.pose(R.numbers(9), t.numbers(3), R.place))
 
         return _lists(path, part)
 
@@ -107,8 +114,10 @@ def read_scene_gt_info(path: Path) -> dict[int, list[GroundTruthInfo]]:
 
     def info(entry: Entry) -> GroundTruthInfo:
         boxes = [_box(entry[name]) for name in ("bbox_obj", "bbox_visib")]
-        counts = [entry[f"px_count_{name}"].integer() for name in ("all", "valid", "visib")]
+        counts = [entry[f"px_count_{name}"].identifier() for name in ("all", "valid", "visib")]
         fraction = entry["visib_fract"]
+        if counts[2] > counts[0]:
+            raise entry["px_count_visib"].error(f"at most the {counts[0]} of px_count_all")
         if not 0 <= fraction.number() <= 1:
             raise fraction.error("a share in [0, 1]")
         return GroundTruthInfo(boxes[0], boxes[1], counts[0], counts[1], counts[2], fraction.number())
@@ -119,7 +128,7 @@ def read_scene_gt_info(path: Path) -> dict[int, list[GroundTruthInfo]]:
 def read_targets(path: Path) -> list[EvaluationTarget]:
     """The targets of a `test_targets_bop19.json`."""
     names = ("scene_id", "im_id", "obj_id", "inst_count")
-    return [EvaluationTarget(*(entry[name].integer() for name in names)) for entry in read_json(path).elements()]
+    return [EvaluationTarget(*(entry[name].identifier() for name in names)) for entry in read_json(path).elements()]
 
 
 def write_scene_camera(path: Path, cameras: Mapping[int, ImageCamera]) -> None:
@@ -173,7 +182,11 @@ def _camera(entry: Entry, poses: PoseReader) -> ImageCamera:
         Camera.from_K(K, 1, 1)
     except MaskvalError as error:
         raise InvalidFileError(f"{entry['cam_K'].place}: {error}") from error
+    if np.abs(K).max() > GREATEST_PX:
+        raise entry["cam_K"].error(f"intrinsics within {GREATEST_PX:g} px")
     scale = entry["depth_scale"].number() if "depth_scale" in entry else 1.0
+    if scale <= 0:
+        raise entry["depth_scale"].error("a scale > 0 mm")
     if "cam_R_w2c" not in entry:
         return ImageCamera(K, scale)
     R, t = entry["cam_R_w2c"], entry["cam_t_w2c"]

@@ -2,11 +2,12 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from maskval.arrays import check_number, floats, wholes
 from maskval.association import UNMATCHED, associate
 from maskval.errors import InvalidEvaluationError
 
@@ -42,8 +43,7 @@ class Counting:
         ):
             if value not in legal:
                 raise InvalidEvaluationError(f"{name} must be one of {legal}, but is {value!r}")
-        if not 0 <= self.visibility_threshold <= 1:
-            raise InvalidEvaluationError(f"visibility_threshold must be in [0, 1], but is {self.visibility_threshold}")
+        check_number("visibility_threshold", self.visibility_threshold, InvalidEvaluationError, least=0, most=1)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -73,14 +73,11 @@ class Evaluation:
     part_visibility: NDArray[np.float64]
 
     def __post_init__(self) -> None:
-        for names, kind in (
-            (("pose_image", "pose_part", "part_image"), np.int64),
-            (("errors_m", "u", "part_visibility"), np.float64),
-        ):
-            for name in names:
-                array = np.array(getattr(self, name), dtype=kind)
-                array.setflags(write=False)
-                object.__setattr__(self, name, array)
+        check_number("images", self.images, InvalidEvaluationError, least=0)
+        for name in ("pose_image", "pose_part", "part_image"):
+            _freeze(self, name, wholes(name, getattr(self, name), InvalidEvaluationError))
+        for name in ("errors_m", "u", "part_visibility"):
+            _freeze(self, name, floats(name, getattr(self, name), InvalidEvaluationError))
         poses, parts = self.u.shape, self.part_image.shape
         for name, shape in (
             ("pose_image", poses),
@@ -155,9 +152,12 @@ class ImageErrors:
 
     def __post_init__(self) -> None:
         for name in ("errors_m", "u", "part_visibility"):
-            array = np.array(getattr(self, name), dtype=np.float64)
-            array.setflags(write=False)
-            object.__setattr__(self, name, array)
+            _freeze(self, name, floats(name, getattr(self, name), InvalidEvaluationError))
+
+
+def _freeze(record: object, name: str, array: NDArray[Any]) -> None:
+    array.setflags(write=False)
+    object.__setattr__(record, name, array)
 
 
 def match_images(images: Sequence[ImageErrors]) -> Evaluation:
@@ -176,7 +176,7 @@ def match_images(images: Sequence[ImageErrors]) -> Evaluation:
     first_part = np.cumsum(parts) - parts
     pose_part, errors = [np.empty(0, dtype=np.int64)], [np.empty(0)]
     for index, image in enumerate(images):
-        table = np.asarray(image.errors_m, dtype=np.float64)
+        table = image.errors_m
         if table.shape != (poses[index], parts[index]) or not (table >= 0).all():
             raise InvalidEvaluationError(
                 f"errors_m of image {index} must be >= 0 and of shape ({poses[index]}, {parts[index]}), "

@@ -13,6 +13,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from maskval.arrays import check_number, floats
 from maskval.errors import InvalidEvaluationError
 from maskval.evaluation.matching import NO_PART, Counting, Evaluation
 
@@ -93,7 +94,7 @@ class RecallCurve:
 
     def __post_init__(self) -> None:
         for name in ("errors_m", "ar", "aru", "ar_star"):
-            array = np.array(getattr(self, name), dtype=np.float64)
+            array = floats(name, getattr(self, name), InvalidEvaluationError)
             array.setflags(write=False)
             object.__setattr__(self, name, array)
 
@@ -112,6 +113,7 @@ def rates(evaluation: Evaluation, e_t: float, u_T: float = np.inf, counting: Cou
         u_T: Greatest uncertainty of a pose that is kept; all are by default.
         counting: What the paper leaves open.
     """
+    check_number("u_T", u_T, InvalidEvaluationError)
     found = sweep(evaluation, e_t, counting)
     index = found.index(u_T)
     return Rates(found.ap.at(index), found.ar.at(index), found.aru.at(index))
@@ -133,11 +135,10 @@ def recall_curve(
         counting: What the paper leaves open.
         choice: Which u_T is taken of those that reach it.
     """
-    thresholds = np.array(errors_m, dtype=np.float64)
+    thresholds = floats("errors_m", errors_m, InvalidEvaluationError)
     if thresholds.ndim != 1 or len(thresholds) < 2 or not (np.diff(thresholds) > 0).all():
         raise InvalidEvaluationError(f"errors_m must be at least two rising thresholds, but are {thresholds}")
-    if not 0 < demanded_ap <= 1:
-        raise InvalidEvaluationError(f"demanded_ap must be in (0, 1], but is {demanded_ap}")
+    check_number("demanded_ap", demanded_ap, InvalidEvaluationError, least=0, most=1, ends="(]")
     u: list[float | None] = []
     rows = []
     for e_t in thresholds:
@@ -174,6 +175,7 @@ def sweep(evaluation: Evaluation, e_t: float, counting: Counting | None = None) 
         e_t: Greatest error of a true positive, metres.
         counting: What the paper leaves open.
     """
+    check_number("e_t", e_t, InvalidEvaluationError, least=0.0)
     rule = counting or Counting()
     order = np.argsort(evaluation.u, kind="stable")
     u, image, part = evaluation.u[order], evaluation.pose_image[order], evaluation.pose_part[order]

@@ -6,6 +6,7 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike, NDArray
 
+from maskval.arrays import floats
 from maskval.errors import InvalidEvaluationError
 from maskval.evaluation.matching import Evaluation
 from maskval.intervals import percentile_interval
@@ -91,7 +92,7 @@ def bootstrap_interval(
 
 
 def _pair(u: ArrayLike, other: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    first, second = np.asarray(u, dtype=np.float64), np.asarray(other, dtype=np.float64)
+    first, second = (floats("both", values, InvalidEvaluationError) for values in (u, other))
     if first.ndim != 1 or first.shape != second.shape:
         raise InvalidEvaluationError(f"both must have one shape (N,), but have {first.shape} and {second.shape}")
     if not (np.isfinite(first).all() and np.isfinite(second).all()):

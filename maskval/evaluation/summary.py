@@ -1,12 +1,13 @@
 """What an uncertainty is worth on poses whose errors are known: every metric and threshold, with intervals."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from maskval.arrays import check_number
 from maskval.errors import InvalidEvaluationError
 from maskval.evaluation.matching import Counting, Evaluation
 from maskval.evaluation.metrics import DEMANDED_AP, MAXIMUM_ERROR_M, rates, recall_curve
@@ -113,6 +114,7 @@ def summarise(
     rng: np.random.Generator | None = None,
     level: float = 0.95,
     resamples: int = 200,
+    progress: Callable[[int], object] = lambda count: None,
 ) -> Summary:
     """Every metric and threshold of an evaluation, with bootstrap intervals over its images.
 
@@ -127,9 +129,11 @@ def summarise(
         rng: Source of the draws; seeded with 0 by default, so that the same evaluation has the same summary.
         level: Confidence level of the intervals, in (0, 1).
         resamples: Number of bootstrap samples, >= 1.
+        progress: Called with a number of bootstrap samples whenever so many more are drawn.
     """
     if evaluation.images < 1 or resamples < 1:
         raise InvalidEvaluationError(f"a summary needs images and resamples, not {evaluation.images} and {resamples}")
+    check_number("level", level, InvalidEvaluationError, least=0, most=1, ends="()")
     rng = rng or np.random.default_rng(0)
     fixed = _thresholds(evaluation, e_t, demanded_ap, counting, rng)
     curve = np.linspace(0.0, MAXIMUM_ERROR_M, CURVE_STEPS)
@@ -144,7 +148,8 @@ def summarise(
         if u_T is not None:
             for index, name in enumerate(("ap", "ar", "aru")):
                 statistics[f"{rule} {name}"] = _rate(e_t, u_T, counting, index)
-    measured = _bootstrap(evaluation, statistics, rng, level, resamples)
+    samples = _samples(evaluation, rng, resamples, progress)
+    measured = _bootstrap(evaluation, statistics, samples, level)
     nothing = Measured(None, None)
     return Summary(
         images=evaluation.images,
@@ -195,13 +200,21 @@ def _rate(e_t: float, u_T: float, counting: Counting | None, index: int) -> Stat
     return lambda sample: rates(sample, e_t, u_T, counting)[index]
 
 
+def _samples(
+    evaluation: Evaluation, rng: np.random.Generator, resamples: int, progress: Callable[[int], object]
+) -> Iterator[Evaluation]:
+    """Bootstrap samples of the images; the next one is asked for when the one before is done."""
+    for _ in range(resamples):
+        yield evaluation.of_images(rng.integers(evaluation.images, size=evaluation.images))
+        progress(1)
+
+
 def _bootstrap(
-    evaluation: Evaluation, statistics: dict[str, Statistic], rng: np.random.Generator, level: float, resamples: int
+    evaluation: Evaluation, statistics: dict[str, Statistic], samples: Iterable[Evaluation], level: float
 ) -> dict[str, Measured]:
     """Each statistic with its interval, all from the same samples of images; undefined ones are left out."""
     drawn: dict[str, list[float]] = {name: [] for name in statistics}
-    for _ in range(resamples):
-        sample = evaluation.of_images(rng.integers(evaluation.images, size=evaluation.images))
+    for sample in samples:
         for name, statistic in statistics.items():
             value = statistic(sample)
             if value is not None:

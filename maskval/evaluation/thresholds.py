@@ -6,6 +6,7 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike, NDArray
 
+from maskval.arrays import check_number, floats
 from maskval.errors import InvalidEvaluationError
 from maskval.evaluation.matching import Counting, Evaluation
 from maskval.evaluation.metrics import DEMANDED_AP, sweep
@@ -43,8 +44,7 @@ def paper_threshold(
         demanded_ap: Least AP, in (0, 1].
         counting: What the paper leaves open.
     """
-    if not 0 < demanded_ap <= 1:
-        raise InvalidEvaluationError(f"demanded_ap must be in (0, 1], but is {demanded_ap}")
+    check_number("demanded_ap", demanded_ap, InvalidEvaluationError, least=0, most=1, ends="(]")
     found = sweep(evaluation, e_t, counting)
     index = found.reaching(demanded_ap)
     return None if index is None else float(found.u[index])
@@ -73,9 +73,8 @@ def certified_threshold(
         grid: Thresholds that are tried, not chosen by the calibration poses.
     """
     uncertainty, flags = _calibration(u, bad, maximum_risk)
-    if not 0 < confidence < 1:
-        raise InvalidEvaluationError(f"confidence must be in (0, 1), but is {confidence}")
-    thresholds = np.unique(np.asarray(grid, dtype=np.float64))
+    check_number("confidence", confidence, InvalidEvaluationError, least=0, most=1, ends="()")
+    thresholds = np.unique(floats("grid", grid, InvalidEvaluationError))
     for u_T in thresholds[::-1]:
         kept = int(np.count_nonzero(uncertainty <= u_T))
         wrong = int(np.count_nonzero(flags & (uncertainty <= u_T)))
@@ -111,11 +110,10 @@ def conformal_threshold(u: ArrayLike, bad: ArrayLike, *, maximum_risk: float = 1
 
 
 def _calibration(u: ArrayLike, bad: ArrayLike, maximum_risk: float) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
-    uncertainty, flags = np.asarray(u, dtype=np.float64), np.asarray(bad, dtype=np.bool_)
+    uncertainty, flags = floats("u", u, InvalidEvaluationError), floats("bad", bad, InvalidEvaluationError) != 0
     if uncertainty.ndim != 1 or flags.shape != uncertainty.shape or not np.isfinite(uncertainty).all():
         raise InvalidEvaluationError(
             f"u and bad must be finite and of one shape (N,), but have {uncertainty.shape} and {flags.shape}"
         )
-    if not 0 < maximum_risk < 1:
-        raise InvalidEvaluationError(f"maximum_risk must be in (0, 1), but is {maximum_risk}")
+    check_number("maximum_risk", maximum_risk, InvalidEvaluationError, least=0, most=1, ends="()")
     return uncertainty, flags

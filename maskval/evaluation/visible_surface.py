@@ -3,9 +3,10 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from maskval.arrays import check_number, floats
 from maskval.camera import Camera
 from maskval.errors import InvalidPoseError
-from maskval.geometry import Pose
+from maskval.geometry import PoseLike
 from maskval.mesh import Mesh
 from maskval.rendering.depth import depth_image
 
@@ -15,8 +16,8 @@ DELTA_M = 0.015
 
 def vsd(
     mesh: Mesh,
-    X_CO_est: Pose,
-    X_CO_true: Pose,
+    X_CO_est: PoseLike,
+    X_CO_true: PoseLike,
     measured_depth: ArrayLike,
     camera: Camera,
     *,
@@ -43,14 +44,15 @@ def vsd(
     Raises:
         InvalidPoseError: If the depth image has another size or a value that is no depth, or a tolerance is not > 0.
     """
-    depth = np.asarray(measured_depth, dtype=np.float64)
+    depth = floats("measured_depth", measured_depth, InvalidPoseError)
     if depth.shape != (camera.height, camera.width):
         raise InvalidPoseError(f"depth must have shape {(camera.height, camera.width)} (H, W), but has {depth.shape}")
     if not (np.isfinite(depth) & (depth >= 0)).all():
         raise InvalidPoseError("depth must be finite and >= 0 m")
-    taus = np.asarray(taus_m, dtype=np.float64)
-    if taus.ndim != 1 or not (taus > 0).all() or not delta_m >= 0:
-        raise InvalidPoseError(f"taus_m must be > 0 and delta_m >= 0, but are {taus} and {delta_m}")
+    taus = floats("taus_m", taus_m, InvalidPoseError)
+    check_number("delta_m", delta_m, InvalidPoseError, least=0.0)
+    if taus.ndim != 1 or not (taus > 0).all():
+        raise InvalidPoseError(f"taus_m must be > 0 m and of shape (T,), but are {taus}")
 
     per_depth = _distance_per_depth(camera, pixel_center)
     measured = depth * per_depth

@@ -1,17 +1,17 @@
 """MaskVal: how uncertain a pose is, judged by the overlap of its silhouette with the mask it should project to."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from maskval.arrays import check_number, floats
 from maskval.association import UNMATCHED, Rule, associate
 from maskval.camera import Camera
 from maskval.errors import InvalidEstimatesError, InvalidMaskError
 from maskval.estimates import Estimates
-from maskval.geometry import Pose
+from maskval.geometry import PosesLike, as_poses
 from maskval.masks import PackedMasks
 from maskval.mesh import Mesh
 from maskval.rendering.silhouettes import silhouette_iou
@@ -70,7 +70,7 @@ class Uncertainties:
 
 def uncertainty(
     mesh: Mesh,
-    poses: Sequence[Pose],
+    poses: PosesLike,
     masks: NDArray[Any] | PackedMasks,
     camera: Camera,
     *,
@@ -83,7 +83,7 @@ def uncertainty(
 
     Args:
         mesh: The object.
-        poses: N poses X_CO.
+        poses: N poses X_CO, or their homogeneous matrices, (N, 4, 4).
         masks: K masks, (K, H, W), bool or uint8 of 0 and 1, or packed.
         camera: Intrinsics and image size.
         association: "known" when pose i comes from mask i (two-stage estimators), else the matching J: "greedy",
@@ -96,6 +96,7 @@ def uncertainty(
         InvalidMaskError: If the masks are not binary, of another size than the image, or not as many as the poses
             although their association is known.
     """
+    poses = as_poses(poses)
     packed = masks if isinstance(masks, PackedMasks) else PackedMasks.pack(masks)
     known = association == "known"
     if known and len(packed) != len(poses):
@@ -124,7 +125,7 @@ def maskval_uncertainty(iou: ArrayLike, visibility: ArrayLike, alpha: float = AL
     Raises:
         InvalidEstimatesError: If an argument is out of its range.
     """
-    c, v = np.asarray(iou, dtype=np.float64), np.asarray(visibility, dtype=np.float64)
+    c, v = floats("iou", iou, InvalidEstimatesError), floats("visibility", visibility, InvalidEstimatesError)
     _check_alpha(alpha)
     for name, values in (("iou", c), ("visibility", v)):
         if not ((values >= 0) & (values <= 1)).all():
@@ -133,5 +134,4 @@ def maskval_uncertainty(iou: ArrayLike, visibility: ArrayLike, alpha: float = AL
 
 
 def _check_alpha(alpha: float) -> None:
-    if not 0 <= alpha <= 1:
-        raise InvalidEstimatesError(f"alpha must be in [0, 1], but is {alpha}")
+    check_number("alpha", alpha, InvalidEstimatesError, least=0, most=1)

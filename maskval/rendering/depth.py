@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from maskval.camera import Camera
 from maskval.contour import ContourEdges
-from maskval.geometry import Pose
+from maskval.errors import InvalidArgumentError
+from maskval.geometry import PoseLike, as_pose
 from maskval.masks import Implementation
 from maskval.mesh import Mesh
 from maskval.rendering.lens import Box, Floats, Layers, View, lens
@@ -37,7 +38,7 @@ class DepthCrop:
 
 def depth_image(
     mesh: Mesh,
-    X_CO: Pose,
+    X_CO: PoseLike,
     camera: Camera,
     *,
     pixel_center: float = 0.0,
@@ -47,7 +48,8 @@ def depth_image(
 
     Args:
         mesh: The object.
-        X_CO: Pose of the object in the camera frame; what is nearer than 1 mm to the camera's plane is cut off.
+        X_CO: Pose of the object in the camera frame, or its matrix, (4, 4). What is nearer than 1 mm to the camera's
+            plane is cut off.
         camera: Intrinsics and image size.
         pixel_center: Where pixel i is sampled, u = i + pixel_center: 0 for OpenCV, 0.5 for OpenGL, MuJoCo and BOP.
         implementation: "numba", or the slower "numpy" of the same result, which compiles nothing.
@@ -58,7 +60,7 @@ def depth_image(
 
 def depth_crop(
     mesh: Mesh,
-    X_CO: Pose,
+    X_CO: PoseLike,
     camera: Camera,
     *,
     pixel_center: float = 0.0,
@@ -68,7 +70,8 @@ def depth_crop(
 
     Args:
         mesh: The object.
-        X_CO: Pose of the object in the camera frame; what is nearer than 1 mm to the camera's plane is cut off.
+        X_CO: Pose of the object in the camera frame, or its matrix, (4, 4). What is nearer than 1 mm to the camera's
+            plane is cut off.
         camera: Intrinsics and image size.
         pixel_center: Where pixel i is sampled, u = i + pixel_center: 0 for OpenCV, 0.5 for OpenGL, MuJoCo and BOP.
         implementation: "numba", or the slower "numpy" of the same result, which compiles nothing.
@@ -78,9 +81,10 @@ def depth_crop(
 
 
 def _depth(
-    mesh: Mesh, X_CO: Pose, camera: Camera, *, pixel_center: float, implementation: Implementation, whole: bool
+    mesh: Mesh, X_CO: PoseLike, camera: Camera, *, pixel_center: float, implementation: Implementation, whole: bool
 ) -> tuple[NDArray[np.float32], int, int]:
     """The depth in the whole image or in the box around the mesh, and the first column and row of that."""
+    X_CO = as_pose(X_CO)
     view = View(X_CO.rotation, X_CO.translation, lens(camera, pixel_center), NEAR_M, mesh.is_solid)
     return depth_kernel(implementation).depth(mesh.edges, view, (camera.width, camera.height), whole)
 
@@ -102,5 +106,5 @@ def depth_kernel(implementation: Implementation) -> _Kernel:
     """The kernel's module, imported at its first use: Numba takes a second."""
     modules = {"numba": "maskval.rendering.depth_kernels", "numpy": "maskval.rendering.depth_reference"}
     if implementation not in modules:
-        raise ValueError(f"implementation must be one of {sorted(modules)}, but is {implementation!r}")
+        raise InvalidArgumentError(f"implementation must be one of {sorted(modules)}, but is {implementation!r}")
     return cast(_Kernel, import_module(modules[implementation]))

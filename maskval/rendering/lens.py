@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from maskval.arrays import check_number
 from maskval.camera import Camera
 
 Floats = NDArray[np.float64]
@@ -57,10 +58,9 @@ def lens(camera: Camera, pixel_center: float) -> Lens:
         pixel_center: Where pixel i is sampled, u = i + pixel_center.
 
     Raises:
-        ValueError: If the pixel centre is not in [0, 1).
+        InvalidArgumentError: If the pixel centre is not in [0, 1).
     """
-    if not 0 <= pixel_center < 1:
-        raise ValueError(f"pixel_center must be in [0, 1), 0 for OpenCV and 0.5 for OpenGL, but is {pixel_center}")
+    check_number("pixel_center", pixel_center, least=0, most=1, ends="[)")  # 0: OpenCV, 0.5: OpenGL
     cx, cy = camera.cx - pixel_center, camera.cy - pixel_center
     # Floats of Python: Numba would compile anew for whole numbers.
     return float(camera.fx), float(camera.skew), float(cx), float(camera.fy), float(cy)

@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from maskval.camera import Camera
-from maskval.errors import MissingRendererError
-from maskval.geometry import Pose
+from maskval.errors import InvalidArgumentError, MissingRendererError
+from maskval.geometry import Pose, PoseLike, as_pose
 from maskval.mesh import Mesh
 from maskval.rendering.views import NEAR_M
 
@@ -79,7 +79,7 @@ class Renderer:
             self._renderer.delete()
             self._renderer = None
 
-    def depth(self, X_CO: Pose) -> NDArray[np.float32]:
+    def depth(self, X_CO: PoseLike) -> NDArray[np.float32]:
         """The z-depth of the object, (H, W), metres; 0 where it is not.
 
         Args:
@@ -88,7 +88,7 @@ class Renderer:
         depth: NDArray[np.float32] = self._render(X_CO, self._gl.RenderFlags.DEPTH_ONLY)
         return depth.copy()
 
-    def silhouette(self, X_CO: Pose) -> NDArray[np.bool_]:
+    def silhouette(self, X_CO: PoseLike) -> NDArray[np.bool_]:
         """The pixels that the object covers, (H, W).
 
         Args:
@@ -96,7 +96,7 @@ class Renderer:
         """
         return self.depth(X_CO) > 0
 
-    def overlay(self, X_CO: Pose, image: NDArray[np.uint8], *, opacity: float = 0.7) -> NDArray[np.uint8]:
+    def overlay(self, X_CO: PoseLike, image: NDArray[np.uint8], *, opacity: float = 0.7) -> NDArray[np.uint8]:
         """The picture with the shaded object laid over it, (H, W, 3), RGB.
 
         Args:
@@ -106,7 +106,7 @@ class Renderer:
         """
         size = (self._camera.height, self._camera.width, 3)
         if image.shape != size or image.dtype != np.uint8 or not 0 <= opacity <= 1:
-            raise ValueError(
+            raise InvalidArgumentError(
                 f"image must be uint8 of shape {size} and opacity in [0, 1], but are {image.dtype} of {image.shape} "
                 f"and {opacity}"
             )
@@ -115,8 +115,8 @@ class Renderer:
         mixed: NDArray[np.uint8] = np.rint(share * shaded[..., :3] + (1 - share) * image).astype(np.uint8)
         return mixed
 
-    def _render(self, X_CO: Pose, flags: int) -> Any:
-        self._scene.set_pose(self._object, X_CO.matrix)
+    def _render(self, X_CO: PoseLike, flags: int) -> Any:
+        self._scene.set_pose(self._object, as_pose(X_CO).matrix)
         # pyrender's framebuffer has 4 samples a pixel, of which depth takes one that is not at the centre: 2 % of the
         # pixels of a silhouette were wrong. It asks for them by this name only.
         module: Any = import_module("pyrender.renderer")

@@ -1,6 +1,5 @@
 """The silhouette of a mesh under a pose, and its overlap with masks."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
@@ -11,8 +10,8 @@ from numpy.typing import NDArray
 
 from maskval.camera import Camera
 from maskval.contour import ContourEdges
-from maskval.errors import InvalidMaskError
-from maskval.geometry import Pose
+from maskval.errors import InvalidArgumentError, InvalidMaskError
+from maskval.geometry import PoseLike, PosesLike
 from maskval.masks import Implementation, PackedMasks
 from maskval.mesh import Mesh
 from maskval.rendering.lens import Floats
@@ -42,7 +41,7 @@ class Silhouette:
 
 def silhouette(
     mesh: Mesh,
-    X_CO: Pose,
+    X_CO: PoseLike,
     camera: Camera,
     *,
     pixel_center: float = 0.0,
@@ -53,7 +52,8 @@ def silhouette(
 
     Args:
         mesh: The object.
-        X_CO: Pose of the object in the camera frame; what is nearer than 1 mm to the camera's plane is cut off.
+        X_CO: Pose of the object in the camera frame, or its matrix, (4, 4). What is nearer than 1 mm to the camera's
+            plane is cut off.
         camera: Intrinsics and image size.
         pixel_center: Where pixel i is sampled, u = i + pixel_center: 0 for OpenCV, 0.5 for OpenGL, MuJoCo and BOP.
         canvas: Where the whole silhouette is counted: "full" (up to 16,384 px beyond the image, which only an
@@ -61,7 +61,7 @@ def silhouette(
         implementation: "numba", or the slower "numpy" of the same result, which compiles nothing.
     """
     seen = frame(camera, pixel_center=pixel_center, canvas=canvas)
-    (rotation,), (translation,) = stacked((X_CO,))
+    (rotation,), (translation,) = stacked([X_CO])
     mask = np.zeros((camera.height, camera.width), dtype=np.bool_)
     area_px = _kernel(implementation).draw(mesh.edges, seen, rotation, translation, mask)
     mask.setflags(write=False)
@@ -70,7 +70,7 @@ def silhouette(
 
 def silhouette_iou(
     mesh: Mesh,
-    poses: Sequence[Pose],
+    poses: PosesLike,
     masks: NDArray[Any] | PackedMasks,
     camera: Camera,
     *,
@@ -86,7 +86,7 @@ def silhouette_iou(
 
     Args:
         mesh: The object.
-        poses: N poses X_CO.
+        poses: N poses X_CO, or their homogeneous matrices, (N, 4, 4).
         masks: K masks, (K, H, W), bool or uint8 of 0 and 1, or packed once for many calls.
         camera: Intrinsics and image size.
         paired: Compare pose i with mask i only.
@@ -117,7 +117,7 @@ def silhouette_iou(
 
 def silhouette_areas(
     mesh: Mesh,
-    poses: Sequence[Pose],
+    poses: PosesLike,
     camera: Camera,
     *,
     pixel_center: float = 0.0,
@@ -128,7 +128,7 @@ def silhouette_areas(
 
     Args:
         mesh: The object.
-        poses: N poses X_CO.
+        poses: N poses X_CO, or their homogeneous matrices, (N, 4, 4).
         camera: Intrinsics and image size.
         pixel_center: Where pixel i is sampled, u = i + pixel_center: 0 for OpenCV, 0.5 for OpenGL, MuJoCo and BOP.
         canvas: Where the whole silhouette is counted: "full", or "3x3" images, as BOP does.
@@ -140,7 +140,7 @@ def silhouette_areas(
 
 def silhouette_boxes(
     mesh: Mesh,
-    poses: Sequence[Pose],
+    poses: PosesLike,
     camera: Camera,
     *,
     inside_image: bool = False,
@@ -152,7 +152,7 @@ def silhouette_boxes(
 
     Args:
         mesh: The object.
-        poses: N poses X_CO.
+        poses: N poses X_CO, or their homogeneous matrices, (N, 4, 4).
         camera: Intrinsics and image size.
         inside_image: Box the part of the silhouette inside the image, not all of it.
         pixel_center: Where pixel i is sampled, u = i + pixel_center: 0 for OpenCV, 0.5 for OpenGL, MuJoCo and BOP.
@@ -160,8 +160,9 @@ def silhouette_boxes(
         implementation: "numba", or the slower "numpy" of the same result, which compiles nothing.
     """
     view, kernel = frame(camera, pixel_center=pixel_center, canvas=canvas), _kernel(implementation)
-    boxes = np.zeros((len(poses), 4), dtype=np.int64)
-    for n, pose in enumerate(zip(*stacked(poses), strict=True)):
+    placed = stacked(poses)
+    boxes = np.zeros((len(placed[0]), 4), dtype=np.int64)
+    for n, pose in enumerate(zip(*placed, strict=True)):
         row, start, stop = kernel.spans(mesh.edges, view, *pose).T
         if inside_image:
             start, stop = np.maximum(start, 0), np.minimum(stop, camera.width)
@@ -199,5 +200,5 @@ def _kernel(implementation: Implementation) -> _Kernel:
     """The kernel's module, imported at its first use: Numba alone takes longer to import than this package."""
     modules = {"numba": "maskval.rendering.kernels", "numpy": "maskval.rendering.reference"}
     if implementation not in modules:
-        raise ValueError(f"implementation must be one of {sorted(modules)}, but is {implementation!r}")
+        raise InvalidArgumentError(f"implementation must be one of {sorted(modules)}, but is {implementation!r}")
     return cast(_Kernel, import_module(modules[implementation]))

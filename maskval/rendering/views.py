@@ -1,13 +1,13 @@
 """Poses and a camera laid out for the kernels."""
 
-from collections.abc import Sequence
 from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from maskval.camera import Camera
-from maskval.geometry import Pose
+from maskval.errors import InvalidArgumentError
+from maskval.geometry import PosesLike, as_poses
 from maskval.rendering.lens import Box, Floats, Lens, Point, Rows, lens
 
 Canvas = Literal["full", "3x3"]
@@ -61,21 +61,22 @@ def frame(camera: Camera, *, pixel_center: float, canvas: Canvas) -> Frame:
         canvas: "full" or "3x3", the pixels of the whole silhouette.
 
     Raises:
-        ValueError: If the canvas is another, or the pixel centre is not in [0, 1).
+        InvalidArgumentError: If the canvas is another, or the pixel centre is not in [0, 1).
     """
     if canvas not in ("full", "3x3"):
-        raise ValueError(f"canvas must be 'full' or '3x3', but is {canvas!r}")
+        raise InvalidArgumentError(f"canvas must be 'full' or '3x3', but is {canvas!r}")
     width, height = camera.width, camera.height
     across, down = (FULL_MARGIN_PX, FULL_MARGIN_PX) if canvas == "full" else (width, height)
     return Frame(lens(camera, pixel_center), NEAR_M, (-across, -down, width + across, height + down), width, height)
 
 
-def stacked(poses: Sequence[Pose]) -> tuple[Floats, Floats]:
+def stacked(poses: PosesLike) -> tuple[Floats, Floats]:
     """Rotations, (N, 3, 3), and translations, (N, 3), in arrays of their own."""
-    if not poses:
+    made = as_poses(poses)
+    if not made:
         return np.empty((0, 3, 3)), np.empty((0, 3))
-    rotations: NDArray[np.float64] = np.concatenate([pose.rotation for pose in poses])
-    translations: NDArray[np.float64] = np.concatenate([pose.translation for pose in poses])
+    rotations: NDArray[np.float64] = np.concatenate([pose.rotation for pose in made])
+    translations: NDArray[np.float64] = np.concatenate([pose.translation for pose in made])
     return rotations.reshape(-1, 3, 3), translations.reshape(-1, 3)
 
 

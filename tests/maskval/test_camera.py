@@ -32,7 +32,7 @@ def test_a_size_of_whole_numbers_is_a_number_of_pixels() -> None:
     [
         (lambda: Camera(0.0, 1, 0, 0, 4, 4), "fx must be > 0 px, but is 0"),
         (lambda: Camera(1, -600.0, 0, 0, 4, 4), "fy must be > 0 px, but is -600"),
-        (lambda: Camera(1, 1, float("nan"), 0, 4, 4), "cx must be finite, but is nan"),
+        (lambda: Camera(1, 1, float("nan"), 0, 4, 4), "cx must be a number, but is nan"),
         (lambda: Camera(1, 1, 0, 0, 0, 4), "width must be a whole number of pixels >= 1, but is 0"),
         (lambda: Camera(1, 1, 0, 0, float("inf"), 4), "width must be a whole number of pixels >= 1, but is inf"),
         (lambda: Camera(1, 1, 0, 0, 4, 4.5), "height must be a whole number of pixels >= 1, but is 4.5"),

@@ -96,7 +96,7 @@ def test_no_rates_have_no_interval_and_a_higher_level_a_wider_one() -> None:
         ([1.1], [8], [0], 0.95, r"expected rates in 0\.\.1"),
         ([np.nan], [8], [0], 0.95, r"expected rates in 0\.\.1"),
         ([0.5], [0], [0], 0.95, "at least 1 trial"),
-        ([0.5], [8], [0], 1.0, r"expected a level in \(0, 1\), got 1"),
+        ([0.5], [8], [0], 1.0, r"level must be in \(0, 1\), but is 1"),
     ],
 )
 def test_what_is_no_sample_of_rates_is_refused(rates, trials, clusters, level, words) -> None:

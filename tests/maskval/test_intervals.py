@@ -69,8 +69,8 @@ def test_no_statistic_and_one_have_no_interval() -> None:
 @pytest.mark.parametrize(
     ("call", "words"),
     [
-        (lambda: proportion_interval(3, 2), r"successes must be in 0..2 \(trials\), but is 3"),
-        (lambda: proportion_interval(-1, 2), "successes must be in 0..2"),
+        (lambda: proportion_interval(3, 2), r"successes must be in \[0, 2\], but is 3"),
+        (lambda: proportion_interval(-1, 2), r"successes must be in \[0, 2\]"),
         (lambda: proportion_interval(1, 2, 1.0), r"level must be in \(0, 1\), but is 1.0"),
         (lambda: bootstrap_mean_interval([1, np.nan], np.random.default_rng(0)), "finite"),
         (lambda: bootstrap_mean_interval([1], np.random.default_rng(0), 0.95, 0), "resamples must be >= 1, but is 0"),

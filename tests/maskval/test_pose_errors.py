@@ -134,7 +134,10 @@ def test_rotation_and_translation_errors() -> None:
         (lambda: mspd(Pose.identity(), Pose.identity(), POINTS, IDENTITY, CAMERA), "in front of the camera"),
         (lambda: SymmetryAxis(np.zeros(3), np.zeros(3)), "must have a direction"),
         (lambda: SymmetryAxis(np.ones(3), np.ones(2)), "offset_O must be three finite numbers"),
-        (lambda: symmetry_poses(axes=[Z_AXIS], maximum_step=0.0), r"maximum_step must be in \(0, π\], but is 0.0"),
+        (
+            lambda: symmetry_poses(axes=[Z_AXIS], maximum_step=0.0),
+            r"maximum_step must be in \[0.0001, 3.14159\], but is 0.0",
+        ),
     ],
 )
 def test_bad_arguments_are_refused(call, words) -> None:

@@ -259,7 +259,7 @@ def test_the_place_of_a_value_is_found_past_others_of_every_kind(key) -> None:
 
 def test_images_that_are_no_masks_or_depths_are_refused(tmp_path) -> None:
     path = tmp_path / "image.png"
-    with pytest.raises(FileNotFoundError, match=r"image.png is no file"):
+    with pytest.raises(InvalidFileError, match=r"image.png does not exist"):
         bop.read_mask(path)
     bop.write_depth(path, np.ones((4, 4)))
     with pytest.raises(InvalidFileError, match=r"image.png: expected a grey image of 0 and 255, but found uint16"):

@@ -28,9 +28,8 @@ def run(arguments, capsys) -> tuple[int, str, str]:
 
 def test_uq_prints_u_of_every_pose_and_the_summary(arguments, capsys) -> None:
     code, out, err = run(arguments, capsys)
-    assert (code, err) == (0, "")
-    table, summary = out.split("\n\n")
-    rows = list(csv.DictReader(table.splitlines()))
+    assert code == 0
+    rows, summary = list(csv.DictReader(out.splitlines())), err
     assert len(rows) == 2 * IMAGES
     assert [int(row["im_id"]) for row in rows] == np.repeat(np.arange(IMAGES), 2).tolist()
     u = [float(row["u"]) for row in rows[::2]]
@@ -67,24 +66,27 @@ def test_uq_says_in_one_line_that_rotations_of_a_file_are_inexact(arguments, cap
     for first, *_ in images.values():
         first["cam_R_m2c"][0] += 0.004
     path.write_text(json.dumps(images))
-    code, _, err = run(arguments, capsys)
+    code, out, err = run(arguments, capsys)
     assert code == 0
     words = (
         rf"graspcell: warning: {path}: {IMAGES} of {2 * IMAGES} rotations are off by more than "
         r"0.001, by up to 0.00\d+; the nearest rotations are taken\n"
     )
-    assert re.fullmatch(words, err)
+    first, rest = err.split("\n", 1)
+    assert re.fullmatch(words, first + "\n")
+    assert rest.startswith("20 poses of 20 parts")
+    assert rest.endswith("\n1 warning, see above\n")
+    assert run([*arguments, "--strict"], capsys) == (3, out, err)
 
 
 def test_uq_without_true_poses_prints_uncertainties_only(arguments, capsys, tmp_path) -> None:
     for name in ("scene_gt.json", "scene_gt_info.json"):
         (tmp_path / "test" / "000002" / name).unlink()
     (tmp_path / "test_targets_bop19.json").unlink()
-    code, out, _ = run(arguments, capsys)
+    code, out, err = run(arguments, capsys)
     assert code == 0
-    table, rest = out.split("\n\n")
-    assert len(table.splitlines()) == 1 + 2 * IMAGES
-    assert rest == "no true poses in the data set: uncertainties only\n"
+    assert len(out.splitlines()) == 1 + 2 * IMAGES
+    assert err == "no true poses in the data set: uncertainties only\n"
 
 
 def replaced(path, old, new) -> None:
@@ -132,9 +134,17 @@ def test_a_malformed_file_ends_uq_with_one_line_and_code_2(arguments, capsys, tm
         ({"--alpha": "1.5"}, "expected --alpha in 0..1, got 1.5"),
         ({"--pixel-center": "1"}, "expected --pixel-center of at least 0 and below 1, got 1"),
         ({"--demanded-ap": "1"}, "expected --demanded-ap above 0 and below 1, got 1"),
-        ({"--error-threshold-mm": "nan"}, "expected --error-threshold-mm above 0, got nan"),
-        ({"--resamples": "0"}, "expected --resamples of at least 1, got 0"),
-        ({"--seed": "-1"}, "expected --seed of at least 0, got -1"),
+        ({"--error-threshold-mm": "nan"}, "expected --error-threshold-mm above 0 and at most 10000, got nan"),
+        ({"--error-threshold-mm": "1e300"}, "expected --error-threshold-mm above 0 and at most 10000, got 1e+300"),
+        ({"--resamples": "0"}, "expected --resamples of 1 to 100000, got 0"),
+        ({"--resamples": "1000000000"}, "expected --resamples of 1 to 100000, got 1e+09"),
+        ({"--seed": "-1"}, "expected --seed of at least 0 and below 2^63, got -1"),
+        ({"--seed": str(2**63)}, "expected --seed of at least 0 and below 2^63, got 9.2"),
+        ({"--alpha": "nan"}, "expected --alpha in 0..1, got nan"),
+        ({"--out": "poses.txt"}, "expected --out as a .csv file, got 'poses.txt'"),
+        ({"--out": ""}, "expected --out as a .csv file"),
+        ({"--out": "/dev/null/poses.csv"}, "cannot write to /dev/null: "),
+        ({"--pictures": "/dev/null"}, "cannot write to /dev/null: "),
     ],
 )
 def test_a_wrong_argument_ends_uq_with_one_line_and_code_2(arguments, capsys, change, words) -> None:

@@ -1,0 +1,1 @@
+"""Whether poses, masks and cameras can belong together at all: wrong units, frames and conventions."""
