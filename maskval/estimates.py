@@ -92,7 +92,7 @@ class Needs:
         X_BC: Whether they must hold the camera's pose: the method compares what several views of one scene show.
 
     Raises:
-        InvalidEstimatesError: If `estimators` is no whole number >= 1.
+        InvalidEstimatesError: If `estimators` is no whole number >= 1, or another is not True or False.
     """
 
     estimators: int = 1
@@ -100,8 +100,11 @@ class Needs:
     X_BC: bool = False
 
     def __post_init__(self) -> None:
-        if not isinstance(self.estimators, int) or self.estimators < 1:
+        if isinstance(self.estimators, bool) or not isinstance(self.estimators, int) or self.estimators < 1:
             raise InvalidEstimatesError(f"estimators must be a whole number >= 1, but is {self.estimators!r}")
+        for name in ("depth", "X_BC"):
+            if not isinstance(getattr(self, name), bool):
+                raise InvalidEstimatesError(f"{name} must be True or False, but is {getattr(self, name)!r}")
 
     @classmethod
     def together(cls, *each: Self) -> Self:

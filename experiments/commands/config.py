@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 ConditionOptions = tyro.conf.OmitArgPrefixes[Conditions]  # --light, not --conditions.light
 Speed = Annotated[str, tyro.conf.arg(help=f"How fast the arm moves: {', '.join(PRESETS)}.")]
+_DIGITS = 6  # of the number of shares
 _POLICIES = f"{', '.join(POLICY_NAMES)}, {OWN}; without it each method has its own: always for none, else threshold."
 ActorOptions = tyro.conf.OmitArgPrefixes[Actors]
 
@@ -155,7 +156,8 @@ class Compare(CellOptions):
         if self.shard is None:
             return 1, 1
         number, slash, shares = self.shard.partition("/")
-        if not (slash and number.isdecimal() and shares.isdecimal() and 1 <= int(number) <= int(shares)):
+        form = slash and self.shard.isascii() and number.isdecimal() and shares.isdecimal() and len(shares) <= _DIGITS
+        if not (form and 1 <= int(number) <= int(shares)):
             raise UsageError(f"expected --shard I/N with I in 1..N, got {self.shard!r}")
         return int(number), int(shares)
 
