@@ -14,7 +14,7 @@ from cell.interfaces import Detection, Frame, Image, MaskEstimator, Observation,
 from cell.part import Part
 from cell.rounding import DIGITS, rounded
 from maskval import Estimates, InvalidEstimatesError, Pose, UncertaintyMethod, needs_of
-from maskval.spelling import shown
+from maskval.spelling import is_finite, shown
 
 MOST_INFERENCE = 60.0  # s of the cell's clock per picture, three time slots; beyond, only waiting is simulated
 T = TypeVar("T")
@@ -174,7 +174,7 @@ def _wrong_detection(detection: object, index: int, size: tuple[int, int]) -> st
 
 def _check_network(network: MaskEstimator | PoseEstimator) -> None:
     name, cost, images = type(network).__name__, network.inference_time, network.images
-    if isinstance(cost, bool) or not (isinstance(cost, Real) and 0.0 <= cost <= MOST_INFERENCE):
+    if not (is_finite(cost) and 0.0 <= cost <= MOST_INFERENCE):
         raise EstimatorError(f"{name}: expected inference_time of 0 to {MOST_INFERENCE:g} s, got {shown(cost)}")
     if not (isinstance(images, frozenset) and all(isinstance(image, Image) for image in images)):
         raise EstimatorError(f"{name}: expected images to be a frozenset of cell.interfaces.Image, got {images!r}")

@@ -2,8 +2,9 @@
 
 import os
 from collections.abc import Callable, Sequence
+from dataclasses import fields
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args, get_type_hints
 
 from tyro.constructors import ConstructorRegistry, PrimitiveConstructorSpec, PrimitiveTypeInfo
 
@@ -46,6 +47,19 @@ def with_own_names(arguments: Sequence[str], valid: Sequence[str]) -> list[str]:
             name = own.get(option_name(name), name)
         found.append(f"{name}{equals}{value}")
     return found
+
+
+def check_lists(config: object) -> None:
+    """Raises UsageError if a list among a command's options is empty where its default is not, or repeats a value."""
+    kinds = get_type_hints(type(config))
+    for field in fields(config):  # type: ignore[arg-type]  # a dataclass
+        if get_args(kinds[field.name])[1:] != (...,):
+            continue
+        option, values = f"--{field.name.replace('_', '-')}", getattr(config, field.name)
+        if field.default and not values:
+            raise UsageError(f"expected at least one value for {option}, got none")
+        if len(set(values)) < len(values):
+            raise UsageError(f"expected different values for {option}, got {' '.join(map(str, values))}")
 
 
 def nearest_option(message: str, arguments: Sequence[str], valid: Sequence[str]) -> str:

@@ -16,7 +16,7 @@ from typing import Annotated, Any, NamedTuple
 
 import tyro
 
-from experiments.arguments import check_arguments, nearest_option, spellings, with_own_names
+from experiments.arguments import check_arguments, check_lists, nearest_option, spellings, with_own_names
 from experiments.calibration.config import Calibrate
 from experiments.commands.bench_config import Bench
 from experiments.commands.config import Compare, Run
@@ -140,13 +140,15 @@ def parse(arguments: Sequence[str]) -> Any:
     told = io.StringIO()
     try:
         with contextlib.redirect_stderr(told):
-            return tyro.cli(
+            config = tyro.cli(
                 _COMMAND, prog="graspcell", description=_DESCRIPTION, args=list(arguments), registry=spellings()
             )
     except SystemExit as stop:
         if stop.code in (0, None):
             raise
         raise UsageError(_one_line(told.getvalue(), arguments)) from None
+    check_lists(config)
+    return config
 
 
 def _load_engine() -> None:

@@ -2,6 +2,8 @@
 
 import difflib
 from collections.abc import Iterable
+from math import isfinite
+from numbers import Real
 
 _ALIKE = 0.6  # share of letters in common, difflib's own default
 
@@ -43,6 +45,14 @@ def shown(value: object) -> str:
     except Exception:  # an integer of thousands of digits, or an object whose own repr fails
         return f"a {type(value).__name__} that cannot be shown"
     return text if len(text) <= 80 else f"{text[:77]}..."
+
+
+def is_finite(value: object) -> bool:
+    """Whether a value is a number that a float holds: neither infinite, nor nan, nor True, nor of hundreds of digits."""
+    try:
+        return isinstance(value, Real) and not isinstance(value, bool) and isfinite(value)
+    except OverflowError:
+        return False
 
 
 def _plain(text: str) -> str:

@@ -133,11 +133,6 @@ class Compare(CellOptions):
         check_cell(self.parts, self.seed, self.speed)
         all_at_least(self, experiments=1, jobs=0)
         methods, policies = named_methods(self.methods), self.policy or (None,)
-        for name, chosen in (("--objects", self.objects), ("--methods", methods), ("--policy", policies)):
-            if not chosen:
-                raise UsageError(f"expected at least one name for {name}, got none")
-            if len(set(chosen)) < len(chosen):
-                raise UsageError(f"expected different names for {name}, got {' '.join(map(str, chosen))}")
         thresholds = load_thresholds(self.thresholds).with_told(self.u_grasp, methods)
         self._check(self.objects, methods, policies, thresholds)
         check_not_recorded(self.out, self.actors.recorded)

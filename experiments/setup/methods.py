@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from numbers import Real
 
 import maskval
 from cell.interfaces import Policy
@@ -11,7 +10,7 @@ from experiments.errors import UsageError
 from experiments.setup.plugins import chosen, make_object
 from experiments.setup.thresholds import Thresholds
 from maskval import Ensemble, InvalidEstimatesError, RandomUncertainty, UncertaintyMethod, needs_of
-from maskval.spelling import shown
+from maskval.spelling import is_finite, shown
 from policies import Always, ThresholdPolicy
 from sim.networks.ground_truth import LatestTruth
 from sim.networks.oracles import OracleMask, OracleMdd
@@ -135,6 +134,6 @@ def own_threshold(uncertainty: UncertaintyMethod, name: str) -> float | None:
     u_grasp = getattr(uncertainty, "u_grasp", None)
     if u_grasp is None:
         return None
-    if isinstance(u_grasp, bool) or not isinstance(u_grasp, Real) or not 0.0 <= float(u_grasp) <= 1.0:
+    if not is_finite(u_grasp) or not 0.0 <= u_grasp <= 1.0:
         raise UsageError(f"{name}: expected its u_grasp to be a number in [0, 1], got {shown(u_grasp)}")
     return float(u_grasp)
