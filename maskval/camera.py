@@ -1,13 +1,14 @@
 """The pinhole camera, in OpenCV's frame: x right, y down, z forward."""
 
-import math
 from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from maskval.arrays import floats
 from maskval.errors import InvalidCameraError, InvalidPoseError
+from maskval.spelling import is_finite, shown
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,15 +40,15 @@ class Camera:
 
     def __post_init__(self) -> None:
         for name in ("fx", "fy", "cx", "cy", "skew"):
-            if not math.isfinite(getattr(self, name)):
-                raise InvalidCameraError(f"{name} must be finite, but is {getattr(self, name)}")
+            if not is_finite(getattr(self, name)):
+                raise InvalidCameraError(f"{name} must be finite, but is {shown(getattr(self, name))}")
         for name in ("fx", "fy"):
             if getattr(self, name) <= 0:
                 raise InvalidCameraError(f"{name} must be > 0 px, but is {getattr(self, name):g}")
         for name in ("width", "height"):
             size = getattr(self, name)
-            if not math.isfinite(size) or size != int(size) or size < 1:
-                raise InvalidCameraError(f"{name} must be a whole number of pixels >= 1, but is {size}")
+            if not is_finite(size) or size != int(size) or size < 1:
+                raise InvalidCameraError(f"{name} must be a whole number of pixels >= 1, but is {shown(size)}")
             object.__setattr__(self, name, int(size))
 
     @classmethod
@@ -59,7 +60,7 @@ class Camera:
             width: Image width, pixels.
             height: Image height, pixels.
         """
-        matrix = np.asarray(K, dtype=np.float64)
+        matrix = floats(K, "K", InvalidCameraError)
         if matrix.shape != (3, 3):
             raise InvalidCameraError(f"K must have shape (3, 3), but has {matrix.shape}")
         if not np.isfinite(matrix).all():
@@ -83,7 +84,7 @@ class Camera:
         Raises:
             InvalidPoseError: If a point is not in front of the camera, or the shape is wrong.
         """
-        points = np.asarray(points_C, dtype=np.float64)
+        points = floats(points_C, "points", InvalidPoseError)
         if points.shape[-1:] != (3,):
             raise InvalidPoseError(f"points_C must have shape (..., 3), but has {points.shape}")
         x, y, z = np.moveaxis(points, -1, 0)

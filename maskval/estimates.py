@@ -6,10 +6,12 @@ from typing import Protocol, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from maskval.arrays import check_kind, floats
 from maskval.camera import Camera
 from maskval.errors import InvalidEstimatesError
 from maskval.geometry import Pose
 from maskval.mesh import Mesh
+from maskval.spelling import is_finite, shown
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -41,7 +43,8 @@ class Estimates:
     X_BC: Pose | None = None
 
     def __post_init__(self) -> None:
-        masks, scores = _kept(self.masks), np.array(self.scores, dtype=np.float64)
+        self._check_kinds()
+        masks, scores = _kept(self.masks), np.array(floats(self.scores, "scores", InvalidEstimatesError))
         size = (self.camera.height, self.camera.width)
         if masks.dtype != np.bool_ or masks.ndim != 3 or masks.shape[1:] != size:
             raise InvalidEstimatesError(
@@ -64,6 +67,14 @@ class Estimates:
         if self.depth is not None:
             object.__setattr__(self, "depth", _depth(self.depth, size))
 
+    def _check_kinds(self) -> None:
+        kinds = {"camera": (self.camera, Camera), "mesh": (self.mesh, Mesh)}
+        kinds |= {} if self.X_BC is None else {"X_BC": (self.X_BC, Pose)}
+        for name, (value, kind) in kinds.items():
+            check_kind(value, kind, name, InvalidEstimatesError)
+        if not is_finite(self.pixel_center) or not 0.0 <= self.pixel_center < 1.0:
+            raise InvalidEstimatesError(f"pixel_center must be in [0, 1), but is {shown(self.pixel_center)}")
+
     def __len__(self) -> int:
         return len(self.masks)
 
@@ -75,7 +86,7 @@ def _kept(masks: NDArray[np.bool_]) -> NDArray[np.bool_]:
 
 
 def _depth(image: NDArray[np.float32], size: tuple[int, int]) -> NDArray[np.float32]:
-    depth = np.array(image, dtype=np.float32)
+    depth = floats(image, "depth", InvalidEstimatesError).astype(np.float32)
     if depth.shape != size or not (np.isfinite(depth) & (depth >= 0)).all():
         raise InvalidEstimatesError(f"depth must be of shape {size} (H, W), finite and >= 0 m, but has {depth.shape}")
     depth.setflags(write=False)

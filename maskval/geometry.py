@@ -8,6 +8,7 @@ from typing import ClassVar, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from maskval.arrays import floats
 from maskval.errors import InvalidPoseError
 
 # A float32 rotation is orthonormal to about 2e-7; a matrix typed with five digits is not a rotation.
@@ -125,7 +126,7 @@ class Pose:
         Args:
             points_B: Points in frame B, (..., 3), metres.
         """
-        points = np.asarray(points_B, dtype=np.float64)
+        points = floats(points_B, "points", InvalidPoseError)
         if points.shape[-1:] != (3,):
             raise InvalidPoseError(f"points_B must have shape (..., 3), but has {points.shape}")
         moved: NDArray[np.float64] = points @ self.rotation.T + self.translation
@@ -185,7 +186,7 @@ def _dot(a: Sequence[float], b: Sequence[float]) -> float:
 
 
 def _array(name: str, value: ArrayLike, shape: tuple[int, ...]) -> NDArray[np.float64]:
-    array = np.array(value, dtype=np.float64)
+    array = np.array(floats(value, name, InvalidPoseError))
     if array.shape != shape:
         raise InvalidPoseError(f"{name} must have shape {shape}, but has {array.shape}")
     if not all(map(math.isfinite, array.ravel().tolist())):

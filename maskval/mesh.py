@@ -8,6 +8,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from maskval.arrays import floats
 from maskval.contour import ContourEdges, contour_edges
 from maskval.errors import InvalidMeshError
 
@@ -35,7 +36,7 @@ class Mesh:
     edges: ContourEdges = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        vertices = np.array(self.vertices, dtype=np.float64, order="C")
+        vertices = np.array(floats(self.vertices, "vertices", InvalidMeshError), order="C")
         faces = _indices(self.faces)
         if vertices.ndim != 2 or vertices.shape[1] != 3:
             raise InvalidMeshError(f"vertices must have shape (V, 3), but have {vertices.shape}")

@@ -9,6 +9,7 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike, NDArray
 
+from maskval.arrays import floats
 from maskval.camera import Camera
 from maskval.errors import InvalidPoseError
 from maskval.geometry import Pose, angle_between
@@ -103,7 +104,7 @@ def translation_error(X_AO_est: Pose, X_AO_true: Pose) -> float:
 
 
 def _points(points_O: ArrayLike) -> NDArray[np.float64]:
-    points = np.asarray(points_O, dtype=np.float64)
+    points = floats(points_O, "points_O", InvalidPoseError)
     if points.ndim != 2 or points.shape[1] != 3 or len(points) == 0:
         raise InvalidPoseError(f"points_O must have shape (P, 3) with P >= 1, but has {points.shape}")
     return points

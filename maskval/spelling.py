@@ -48,7 +48,7 @@ def shown(value: object) -> str:
 
 
 def is_finite(value: object) -> bool:
-    """Whether a value is a number that a float holds: neither infinite, nor nan, nor True, nor of hundreds of digits."""
+    """Whether a value is a number that a float holds: not infinite, nan or True, nor of hundreds of digits."""
     try:
         return isinstance(value, Real) and not isinstance(value, bool) and isfinite(value)
     except OverflowError:

@@ -9,6 +9,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from maskval.arrays import floats
 from maskval.errors import InvalidPoseError
 from maskval.geometry import Pose
 from maskval.mesh import Mesh
@@ -32,7 +33,7 @@ class SymmetryAxis:
 
     def __post_init__(self) -> None:
         for name in ("axis_O", "offset_O"):
-            vector = np.array(getattr(self, name), dtype=np.float64)
+            vector = np.array(floats(getattr(self, name), name, InvalidPoseError))
             if vector.shape != (3,) or not np.isfinite(vector).all():
                 raise InvalidPoseError(f"{name} must be three finite numbers, but is {vector}")
             if name == "axis_O":

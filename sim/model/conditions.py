@@ -102,7 +102,7 @@ def _check_numbers(name: str, value: object, default: float | tuple[float, ...])
     """Raises ConditionsError unless the value is a number, or as many of them as the default has."""
     numbers = value if isinstance(default, tuple) and isinstance(value, tuple) else (value,)
     wanted = len(default) if isinstance(default, tuple) else 1
-    if len(numbers) != wanted or not all(map(is_finite, numbers)):
+    if len(numbers) != wanted or not all(isinstance(x, float) or is_finite(x) for x in numbers):
         what = "a number" if wanted == 1 else f"{wanted} numbers"
         raise ConditionsError(f"expected --{name.replace('_', '-')} to be {what}, got {shown(value)}")
 
