@@ -1,9 +1,7 @@
 """What an argument of the command line must be, before a command looks at what it means."""
 
-import os
 from collections.abc import Callable, Sequence
 from dataclasses import fields
-from pathlib import Path
 from typing import Any, get_args, get_type_hints
 
 from tyro.constructors import ConstructorRegistry, PrimitiveConstructorSpec, PrimitiveTypeInfo
@@ -12,14 +10,14 @@ from experiments.errors import UsageError
 from experiments.setup.names import NAMES_IN_BOTH_NUMBERS, option_name
 from maskval.spelling import nearest, number, shown, whole_number
 
-_MOST_NAME, _MOST_PATH = 255, 4095  # bytes, of Linux's file systems
+_MOST_NAME = 255  # bytes, of Linux's file systems
 
 
 def check_arguments(arguments: Sequence[str]) -> None:
     """Looks at the arguments as text.
 
     Raises:
-        UsageError: one is empty or no text that files can hold, or an option is given twice.
+        UsageError: one is empty, too long, or no text that files can hold, or an option is given twice.
     """
     seen: dict[str, str] = {}
     for index, argument in enumerate(arguments):
@@ -28,6 +26,8 @@ def check_arguments(arguments: Sequence[str]) -> None:
             raise UsageError(f"expected a value{after}, got an empty text")
         if "\0" in argument or not _is_utf8(argument):
             raise UsageError(f"expected UTF-8 text without NUL{after}, got {shown(argument)}")
+        if _is_long(argument):
+            raise UsageError(f"expected names of at most {_MOST_NAME} bytes{after}, got {shown(argument)}")
         if argument.startswith("--") and argument != "--":
             name = option_name(argument)
             if name in seen:
@@ -72,9 +72,9 @@ def nearest_option(message: str, arguments: Sequence[str], valid: Sequence[str])
 
 
 def spellings() -> ConstructorRegistry:
-    """The rules by which tyro reads numbers and paths."""
+    """The rules by which tyro reads numbers."""
     registry = ConstructorRegistry()
-    for kind, metavar, read in ((int, "INT", whole_number), (float, "FLOAT", number), (Path, "PATH", _path)):
+    for kind, metavar, read in ((int, "INT", whole_number), (float, "FLOAT", number)):
         registry.primitive_rule(_rule(kind, metavar, read))
     return registry
 
@@ -98,11 +98,9 @@ def _rule(
     return rule
 
 
-def _path(text: str) -> Path:
-    path = Path(text)
-    if len(os.fsencode(text)) > _MOST_PATH or any(len(os.fsencode(part)) > _MOST_NAME for part in path.parts):
-        raise ValueError(f"expected names of at most {_MOST_NAME} bytes, got {shown(text)}")
-    return path
+def _is_long(argument: str) -> bool:
+    """Whether a name in it is too long for a file; what has blanks is no name, but a question or a condition."""
+    return len(argument.split()) == 1 and any(len(name.encode()) > _MOST_NAME for name in argument.split("/"))
 
 
 def _is_utf8(text: str) -> bool:
