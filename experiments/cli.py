@@ -134,15 +134,16 @@ def parse(arguments: Sequence[str]) -> Any:
         SystemExit: they ask for help.
     """
     check_arguments(arguments)
-    if arguments and arguments[0] in COMMANDS:
-        valid = options(COMMANDS[arguments[0]].config)
-        arguments = with_own_names(with_options_file(arguments, valid), valid)
+    kind, prog, rest = _COMMAND, "graspcell", list(arguments)
+    if arguments and arguments[0] in COMMANDS:  # tyro then builds the options of one command only
+        kind, prog = COMMANDS[arguments[0]].config, f"graspcell {arguments[0]}"
+        valid = options(kind)
+        rest = with_own_names(with_options_file(arguments, valid), valid)[1:]
     told = io.StringIO()
     try:
         with contextlib.redirect_stderr(told):
-            config = tyro.cli(
-                _COMMAND, prog="graspcell", description=_DESCRIPTION, args=list(arguments), registry=spellings()
-            )
+            description = _DESCRIPTION if kind is _COMMAND else None
+            config = tyro.cli(kind, prog=prog, description=description, args=rest, registry=spellings())
     except SystemExit as stop:
         if stop.code in (0, None):
             raise
