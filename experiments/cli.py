@@ -139,6 +139,7 @@ def parse(arguments: Sequence[str]) -> Any:
         kind, prog = COMMANDS[arguments[0]].config, f"graspcell {arguments[0]}"
         valid = options(kind)
         rest = with_own_names(with_options_file(arguments, valid), valid)[1:]
+        check_arguments(rest)  # those of the file too
     told = io.StringIO()
     try:
         with contextlib.redirect_stderr(told):

@@ -73,7 +73,7 @@ def _read(file: Path, valid: Sequence[str]) -> dict[str, list[str]]:
         raise UsageError(f"{OPTION}: {error}") from error
     except (tomllib.TOMLDecodeError, RecursionError, ValueError) as error:
         raise UsageError(f"{OPTION} {file}: no TOML of options: {error}") from error
-    known = {option_name(option) for option in valid}
+    known, seen = {option_name(option) for option in valid}, set[str]()
     found = {}
     for key, value in table.items():
         option = f"--{key.replace('_', '-')}"
@@ -82,6 +82,9 @@ def _read(file: Path, valid: Sequence[str]) -> dict[str, list[str]]:
             raise UsageError(
                 f"{OPTION} {file}: unknown key {key!r}: expected one of {', '.join(names)}{nearest(key, names)}"
             )
+        if option_name(option) in seen:
+            raise UsageError(f"{OPTION} {file}: expected {option} once, got it twice")
+        seen.add(option_name(option))
         if value is False:
             found[f"--no-{option.removeprefix('--')}"] = list[str]()
         else:

@@ -184,8 +184,14 @@ def _rows(file: Path, key: dict[str, object]) -> list[dict[str, Any]]:
         schema, (needed, optional) = SCHEMAS[file.stem], _COLUMNS[file.stem]
         columns = [schema.field(name) for name in (*needed, *optional)]
         rows: list[dict[str, Any]] = table.select([*needed, *optional]).cast(pa.schema(columns)).to_pylist()
-    except (OSError, ValueError, KeyError) as error:  # of Arrow, for a column that is missing or of another type
-        raise UsageError(f"{file}: expected a log of compare or run: {error}") from error
+    except (
+        OSError,
+        ValueError,
+        KeyError,
+        NotImplementedError,
+    ) as error:  # Arrow's, of a column missing or of another type
+        reason = next(iter(str(error).splitlines()), "")
+        raise UsageError(f"{file}: expected a log of compare or run: {reason}") from error
     for row in rows:
         for name in () if row.get("detections", 0) is None else needed:
             if row[name] is None:
