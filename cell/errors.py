@@ -14,7 +14,11 @@ class InvalidTrajectoryError(CellError, ValueError):
 
 
 class EstimatorError(CellError, RuntimeError):
-    """An estimator or an uncertainty method raised, took too long, or returned an invalid estimate."""
+    """A detector, a pose estimator or an uncertainty method raised, took too long, or returned an invalid estimate."""
+
+
+class UncertaintyError(EstimatorError):
+    """An uncertainty method raised, took too long, or returned something else than an u in [0, 1] per detection."""
 
 
 class PolicyError(CellError, RuntimeError):

@@ -1,6 +1,5 @@
 """From a picture to an observation: detect, estimate, quantify, and reject invalid estimates."""
 
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from numbers import Real
@@ -9,14 +8,17 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from cell.errors import EstimatorError
+from cell.errors import EstimatorError, UncertaintyError
 from cell.guards import TIME_LIMIT, guarded_call
 from cell.interfaces import Detection, Frame, Image, MaskEstimator, Observation, PoseEstimator, Station
 from cell.part import Part
 from cell.rounding import DIGITS, rounded
 from maskval import Estimates, InvalidEstimatesError, Pose, UncertaintyMethod, needs_of
+from maskval.spelling import is_finite, shown
 
+MOST_INFERENCE = 60.0  # s of the cell's clock per picture, three time slots; beyond, only waiting is simulated
 T = TypeVar("T")
+_NUMBERS = "fiu"  # kinds of NumPy's: neither bool, complex, text nor objects
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -96,9 +98,11 @@ class Perception:
         try:
             needed = needs_of(self.method).estimators
         except InvalidEstimatesError as error:
-            raise EstimatorError(str(error)) from error
+            raise UncertaintyError(str(error)) from error
         if needed > available:
-            raise EstimatorError(f"{name}: expected to need at most {available} estimators, as there are, got {needed}")
+            raise UncertaintyError(
+                f"{name}: expected to need at most {available} estimators, as there are, got {needed}"
+            )
         return self.pose_estimators[:needed]
 
     def uncertainties(
@@ -107,7 +111,7 @@ class Perception:
         """The method's u of each detection, (N,) in [0, 1], to `DIGITS` decimals, read-only.
 
         Raises:
-            EstimatorError: the method raised, took too long, or returned something else.
+            UncertaintyError: the method raised, took too long, or returned something else.
         """
         height, width = frame.camera.height, frame.camera.width
         estimates = Estimates(
@@ -120,10 +124,11 @@ class Perception:
             depth=frame.depth,
             X_BC=frame.X_BC,
         )
-        u = self._guarded(self.method, frame, lambda: np.array(self.method(estimates), dtype=np.float64))
-        if u.shape != (len(detections),) or not np.all((u >= 0.0) & (u <= 1.0)):
-            raise _error(self.method, frame, f"expected {len(detections)} uncertainties in [0, 1], got {u}")
-        u = rounded(u)
+        told = self._guarded(self.method, frame, lambda: np.asarray(self.method(estimates)))
+        if told.dtype.kind not in _NUMBERS or told.shape != (len(detections),) or not np.all((told >= 0) & (told <= 1)):
+            expected = f"expected {len(detections)} uncertainties in [0, 1]"
+            raise _error(self.method, frame, f"{expected}, got {told.dtype} {shown(told.tolist())}")
+        u = rounded(told.astype(np.float64))
         u.setflags(write=False)
         return u
 
@@ -169,11 +174,12 @@ def _wrong_detection(detection: object, index: int, size: tuple[int, int]) -> st
 
 def _check_network(network: MaskEstimator | PoseEstimator) -> None:
     name, cost, images = type(network).__name__, network.inference_time, network.images
-    if not (isinstance(cost, Real) and 0.0 <= cost < math.inf):
-        raise EstimatorError(f"{name}: expected inference_time in seconds, 0 or more, got {cost!r}")
+    if not (is_finite(cost) and 0.0 <= cost <= MOST_INFERENCE):
+        raise EstimatorError(f"{name}: expected inference_time of 0 to {MOST_INFERENCE:g} s, got {shown(cost)}")
     if not (isinstance(images, frozenset) and all(isinstance(image, Image) for image in images)):
         raise EstimatorError(f"{name}: expected images to be a frozenset of cell.interfaces.Image, got {images!r}")
 
 
 def _error(who: object, frame: Frame, what: str) -> EstimatorError:
-    return EstimatorError(f"{type(who).__name__} on frame {frame.index}: {what}")
+    kind = EstimatorError if hasattr(who, "inference_time") else UncertaintyError  # which every network states
+    return kind(f"{type(who).__name__} on frame {frame.index}: {what}")

@@ -16,6 +16,7 @@ from typing import Annotated, Any, NamedTuple
 
 import tyro
 
+from experiments.arguments import check_arguments, check_lists, nearest_option, spellings, with_own_names
 from experiments.calibration.config import Calibrate
 from experiments.commands.bench_config import Bench
 from experiments.commands.config import Compare, Run
@@ -29,6 +30,7 @@ from experiments.dataset.rules import Rules
 from experiments.errors import UsageError
 from experiments.exporting.config import Export
 from experiments.failure import explained
+from experiments.output import print_on_any_terminal
 from experiments.part.config import MakePart
 from experiments.prediction.config import FitGap, Predict
 from experiments.reading.config import Query
@@ -36,7 +38,9 @@ from experiments.reading.plan import Plan
 from experiments.rendering.config import RenderDataset
 from experiments.reporting.config import Report
 from experiments.setup.actors import Actors
+from experiments.setup.options_file import OPTION, with_options_file
 from experiments.uq.config import Uq
+from maskval.spelling import nearest
 from sim.model.conditions import Conditions
 
 _CLOSED_PIPE = 141  # the exit code that shells give a program that SIGPIPE ends
@@ -47,7 +51,8 @@ _GROUPS: dict[str, type[Any]] = {"conditions": Conditions, "actors": Actors, "ru
 _DESCRIPTION = (
     "Closed-loop grasp experiments in simulation that tell which 6D-pose uncertainty can be trusted. "
     "`graspcell COMMAND --help` explains a command; `graspcell --version` says which one this is; --debug, anywhere, "
-    "shows where an error comes from."
+    "shows where an error comes from; `graspcell COMMAND --config FILE.toml` takes options from a file, as every run "
+    "writes one beside its results."
 )
 
 
@@ -86,6 +91,7 @@ _COMMAND: Any = functools.reduce(operator.or_, _CHOICES)
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """The entry point; always leaves by SystemExit."""
+    print_on_any_terminal()
     typed = list(sys.argv[1:] if arguments is None else arguments)
     given = [argument for argument in typed if argument != "--debug"]
     try:
@@ -129,14 +135,24 @@ def parse(arguments: Sequence[str]) -> Any:
         UsageError: they ask for something that does not exist; the message names what is valid.
         SystemExit: they ask for help.
     """
+    check_arguments(arguments)
+    kind, prog, rest = _COMMAND, "graspcell", list(arguments)
+    if arguments and arguments[0] in COMMANDS:  # tyro then builds the options of one command only
+        kind, prog = COMMANDS[arguments[0]].config, f"graspcell {arguments[0]}"
+        valid = options(kind)
+        rest = with_own_names(with_options_file(arguments, valid), valid)[1:]
+        check_arguments(rest)  # those of the file too
     told = io.StringIO()
     try:
         with contextlib.redirect_stderr(told):
-            return tyro.cli(_COMMAND, prog="graspcell", description=_DESCRIPTION, args=list(arguments))
+            description = _DESCRIPTION if kind is _COMMAND else None
+            config = tyro.cli(kind, prog=prog, description=description, args=rest, registry=spellings())
     except SystemExit as stop:
         if stop.code in (0, None):
             raise
         raise UsageError(_one_line(told.getvalue(), arguments)) from None
+    check_lists(config)
+    return config
 
 
 def _load_engine() -> None:
@@ -169,7 +185,11 @@ def _one_line(told: str, arguments: Sequence[str]) -> str:
     message = "; ".join(kept) or "the arguments are not understood"
     command = arguments[0] if arguments else ""
     if "nrecognized" in message and command in COMMANDS:
-        message += f"; valid options of {command}: {', '.join(options(COMMANDS[command][0]))}"
+        valid = options(COMMANDS[command].config)
+        message += f"; valid options of {command}: {', '.join([*valid, OPTION])}"
+        message += nearest_option(message, arguments, valid)
+    elif "nrecognized" in message:
+        message += nearest(command, COMMANDS)
     return message
 
 

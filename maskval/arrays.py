@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from maskval.errors import InvalidArgumentError, MaskvalError
+from maskval.spelling import shown
 
 
 def floats(name: str, value: ArrayLike, error: type[MaskvalError] = InvalidArgumentError) -> NDArray[np.float64]:
@@ -33,7 +34,7 @@ def wholes(name: str, value: ArrayLike, error: type[MaskvalError] = InvalidArgum
     """An argument as a new array of whole numbers; see `floats`."""
     array = floats(name, value, error)
     if not (np.abs(array) < 2**53).all() or (array != np.floor(array)).any():
-        raise error(f"{name} must be whole numbers, but is {_shown(value)}")
+        raise error(f"{name} must be whole numbers, but is {shown(value)}")
     return array.astype(np.int64)
 
 
@@ -57,7 +58,13 @@ def check_number(
         span = "a number" if least == -math.inf else f">= {least:g}"
         if most < math.inf:
             span = f"in {ends[0]}{least:g}, {most:g}{ends[1]}"
-        raise error(f"{name} must be {span}, but is {_shown(value)}")
+        raise error(f"{name} must be {span}, but is {shown(value)}")
+
+
+def check_kind(value: object, kind: type[Any], name: str, error: type[MaskvalError]) -> None:
+    """Raises the error unless the value is of this kind."""
+    if not isinstance(value, kind):
+        raise error(f"{name} must be a maskval.{kind.__name__}, but is {shown(value)}")
 
 
 def _array(name: str, value: ArrayLike, error: type[MaskvalError]) -> NDArray[Any]:
@@ -68,9 +75,4 @@ def _array(name: str, value: ArrayLike, error: type[MaskvalError]) -> NDArray[An
 
 
 def _refuse(name: str, value: object, error: type[MaskvalError]) -> NoReturn:
-    raise error(f"{name} must be real numbers, but is {_shown(value)}")
-
-
-def _shown(value: object) -> str:
-    text = " ".join(repr(value).split())
-    return text if len(text) <= 60 else text[:57] + "..."
+    raise error(f"{name} must be real numbers, but is {shown(value)}")

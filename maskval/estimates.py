@@ -6,7 +6,7 @@ from typing import Protocol, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from maskval.arrays import floats
+from maskval.arrays import check_kind, check_number, floats
 from maskval.camera import Camera
 from maskval.errors import InvalidEstimatesError
 from maskval.geometry import Pose, as_pose, as_poses
@@ -43,6 +43,9 @@ class Estimates:
     X_BC: Pose | None = None
 
     def __post_init__(self) -> None:
+        check_kind(self.camera, Camera, "camera", InvalidEstimatesError)
+        check_kind(self.mesh, Mesh, "mesh", InvalidEstimatesError)
+        check_number("pixel_center", self.pixel_center, InvalidEstimatesError, least=0.0, most=1.0, ends="[)")
         masks, scores = _kept(self.masks), floats("scores", self.scores, InvalidEstimatesError)
         size = (self.camera.height, self.camera.width)
         if masks.dtype != np.bool_ or masks.ndim != 3 or masks.shape[1:] != size:
@@ -79,7 +82,7 @@ def _kept(masks: NDArray[np.bool_]) -> NDArray[np.bool_]:
 
 
 def _depth(image: NDArray[np.float32], size: tuple[int, int]) -> NDArray[np.float32]:
-    depth = np.array(image, dtype=np.float32)
+    depth = floats("depth", image, InvalidEstimatesError).astype(np.float32)
     if depth.shape != size or not (np.isfinite(depth) & (depth >= 0)).all():
         raise InvalidEstimatesError(f"depth must be of shape {size} (H, W), finite and >= 0 m, but has {depth.shape}")
     depth.setflags(write=False)
@@ -96,7 +99,7 @@ class Needs:
         X_BC: Whether they must hold the camera's pose: the method compares what several views of one scene show.
 
     Raises:
-        InvalidEstimatesError: If `estimators` is no whole number >= 1.
+        InvalidEstimatesError: If `estimators` is no whole number >= 1, or another is not True or False.
     """
 
     estimators: int = 1
@@ -104,8 +107,11 @@ class Needs:
     X_BC: bool = False
 
     def __post_init__(self) -> None:
-        if not isinstance(self.estimators, int) or self.estimators < 1:
+        if isinstance(self.estimators, bool) or not isinstance(self.estimators, int) or self.estimators < 1:
             raise InvalidEstimatesError(f"estimators must be a whole number >= 1, but is {self.estimators!r}")
+        for name in ("depth", "X_BC"):
+            if not isinstance(getattr(self, name), bool):
+                raise InvalidEstimatesError(f"{name} must be True or False, but is {getattr(self, name)!r}")
 
     @classmethod
     def together(cls, *each: Self) -> Self:

@@ -32,7 +32,7 @@ def check_input(path: Path, most: int | None = None) -> Path:
     """
     try:
         _check(path, os.stat(path), most)
-    except OSError as error:
+    except (OSError, ValueError) as error:
         raise _refused(path, error) from error
     return path
 
@@ -56,7 +56,7 @@ def read_input(path: Path, most: int = MOST_TEXT) -> bytes:
                 return file.read(status.st_size)  # Python makes room for all that it is asked for
         finally:
             os.close(descriptor)
-    except OSError as error:
+    except (OSError, ValueError) as error:
         raise _refused(path, error) from error
 
 
@@ -80,7 +80,9 @@ def _check(path: Path, status: os.stat_result, most: int | None) -> None:
         raise InvalidFileError(f"{path}: expected at most {most} bytes, got {status.st_size}")
 
 
-def _refused(path: Path, error: OSError) -> InvalidFileError:
+def _refused(path: Path, error: OSError | ValueError) -> InvalidFileError:
+    if isinstance(error, ValueError):  # of NUL, or of a lone surrogate
+        return InvalidFileError(f"{str(path)!r} is no path of a file: {error}")
     if isinstance(error, FileNotFoundError):
         return InvalidFileError(f"{path} does not exist")
     return InvalidFileError(f"{path} cannot be read: {error.strerror or error}")

@@ -16,8 +16,9 @@ from experiments.calibration.noise_file import rewrite
 from experiments.calibration.report import Fitted, Member, as_json, format_report
 from experiments.calibration.targets import GROUPS, Calibration, FitTarget, Prior, load_calibration, values_at
 from experiments.results.files import write_text
-from experiments.results.provenance import manifest, write_json
+from experiments.results.provenance import write_json
 from experiments.setup.checks import writable_folder
+from experiments.setup.options_file import write_manifest
 from experiments.setup.pool import Run, workers
 from sim.model.parts import load_part
 from sim.networks.noise_model import PartNoise, load_noise, noise_text
@@ -49,7 +50,7 @@ def calibrate(config: Calibrate) -> int:
     write_text(folder / "noise.toml", rewrite(noise_text(start), fitted.lines()))
     write_json(folder / "ensemble.json", [member.values for member in fitted.members if member.accepted])
     write_json(folder / "calibration.json", as_json(model.part.name, config.images, fitted))
-    write_json(folder / "manifest.json", {**manifest(config), "seed": config.seed})
+    write_manifest(folder, "calibrate", config, seed=config.seed)
     print(format_report(model.part.name, config.images, fitted))
     print(f"results in {folder}")
     return 0

@@ -9,11 +9,12 @@ from typing import Any
 from experiments.commands.config import Compare
 from experiments.errors import UsageError
 from experiments.results.paired import format_paired
-from experiments.results.provenance import config_as_json, manifest, write_json
+from experiments.results.provenance import config_as_json
 from experiments.results.report import format_table
 from experiments.results.table_files import write_tables
 from experiments.setup.checks import FAILED
 from experiments.setup.experiment import ExperimentSpec
+from experiments.setup.options_file import write_manifest
 from experiments.units.execution import Ended, Executor, execute, locally, missing
 from experiments.units.identity import describe
 from experiments.units.interruption import terminations_raised
@@ -146,16 +147,15 @@ def write_results(folder: RunFolder, summary: Summary) -> None:
         UsageError: they cannot be written.
     """
     write_tables(folder.path, summary.cells, summary.pairs, summary.tests)
-    write_json(
-        folder.path / "manifest.json",
-        {
-            **manifest(folder.options),
-            "asked": [{**cell.of, "experiments": cell.experiments} for cell in folder.asked],
-            "common": folder.asked[0].description["common"],
-            "finished": len(summary.experiments),
-            "planned": folder.expected,
-            "u_grasp": thresholds_of(folder.asked),
-        },
+    write_manifest(
+        folder.path,
+        "compare",
+        folder.options,
+        asked=[{**cell.of, "experiments": cell.experiments} for cell in folder.asked],
+        common=folder.asked[0].description["common"],
+        finished=len(summary.experiments),
+        planned=folder.expected,
+        u_grasp=thresholds_of(folder.asked),
     )
 
 

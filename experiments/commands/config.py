@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 ConditionOptions = tyro.conf.OmitArgPrefixes[Conditions]  # --light, not --conditions.light
 Speed = Annotated[str, tyro.conf.arg(help=f"How fast the arm moves: {', '.join(PRESETS)}.")]
+_DIGITS = 6  # of the number of shares
 _POLICIES = f"{', '.join(POLICY_NAMES)}, {OWN}; without it each method has its own: always for none, else threshold."
 ActorOptions = tyro.conf.OmitArgPrefixes[Actors]
 
@@ -132,11 +133,6 @@ class Compare(CellOptions):
         check_cell(self.parts, self.seed, self.speed)
         all_at_least(self, experiments=1, jobs=0)
         methods, policies = named_methods(self.methods), self.policy or (None,)
-        for name, chosen in (("--objects", self.objects), ("--methods", methods), ("--policy", policies)):
-            if not chosen:
-                raise UsageError(f"expected at least one name for {name}, got none")
-            if len(set(chosen)) < len(chosen):
-                raise UsageError(f"expected different names for {name}, got {' '.join(map(str, chosen))}")
         thresholds = load_thresholds(self.thresholds).with_told(self.u_grasp, methods)
         self._check(self.objects, methods, policies, thresholds)
         check_not_recorded(self.out, self.actors.recorded)
@@ -155,7 +151,8 @@ class Compare(CellOptions):
         if self.shard is None:
             return 1, 1
         number, slash, shares = self.shard.partition("/")
-        if not (slash and number.isdecimal() and shares.isdecimal() and 1 <= int(number) <= int(shares)):
+        form = slash and self.shard.isascii() and number.isdecimal() and shares.isdecimal() and len(shares) <= _DIGITS
+        if not (form and 1 <= int(number) <= int(shares)):
             raise UsageError(f"expected --shard I/N with I in 1..N, got {self.shard!r}")
         return int(number), int(shares)
 

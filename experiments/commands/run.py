@@ -6,10 +6,10 @@ from numpy.typing import NDArray
 from cell.interfaces import Action, Decision
 from cell.records import AttemptRecord, DecisionRecord, State, TimeSlot, Transition
 from experiments.commands.config import Run
-from experiments.results.provenance import manifest, write_json
 from experiments.results.store import LogWriter
 from experiments.setup.checks import FAILED, writable_folder
 from experiments.setup.experiment import run_experiment
+from experiments.setup.options_file import write_manifest
 from maskval import mdd
 from sim.model.parts import load_part
 from sim.networks.ground_truth import LatestTruth
@@ -36,7 +36,7 @@ def run(config: Run) -> int:
     if folder is not None:
         with LogWriter(folder) as logs:
             logs.write(result.tables)
-        write_json(folder / "manifest.json", {**manifest(config), "seed": config.seed})
+        write_manifest(folder, "run", config, seed=config.seed)
     if result.count is None:
         print(f"failed: {result.failure}")
         return FAILED
@@ -59,7 +59,7 @@ def lines(record: object, latest_truth: LatestTruth, vertices_O: NDArray[np.floa
             return [f"{record.end:7.2f} s  attempt on detection {record.detection}, {grasp}: {record.outcome}{cause}"]
         case TimeSlot():
             outcome = "time-out" if record.outcome is None else record.outcome
-            return [f"{record.end:7.2f} s  part {record.index + 1}: {outcome} after {record.end - record.start:.1f} s"]
+            return [f"{record.end:7.2f} s  time slot {record.index}: {outcome} after {record.end - record.start:.1f} s"]
         case Transition() if record.target in _TOLD or _is_second_thought(record):
             return [f"{record.time:7.2f} s  {record.target}: {record.reason}"]
     return []

@@ -10,10 +10,11 @@ from cell.errors import CellError
 from cell.interfaces import Outcome
 from cell.records import AttemptRecord
 from experiments.commands.tolerance_config import Tolerance
-from experiments.results.provenance import manifest, write_json
+from experiments.results.provenance import write_json
 from experiments.results.tolerance_curve import CurvePoint, format_curve
 from experiments.setup.checks import writable_folder
 from experiments.setup.experiment import ExperimentSpec, kept_cell, make_cycle
+from experiments.setup.options_file import write_manifest
 from experiments.setup.pool import run_all
 from maskval import MaskvalError, proportion_interval
 from sim.errors import SimError
@@ -45,7 +46,7 @@ def tolerance(config: Tolerance) -> int:
     )
     levels = summarise(trials, outcomes)
     write_json(folder / "tolerance.json", {"levels": levels})
-    write_json(folder / "manifest.json", {**manifest(config), "seed": config.seed})
+    write_manifest(folder, "tolerance", config, seed=config.seed)
     if config.figure:
         from experiments.results.figures import draw_tolerance  # noqa: PLC0415  # needs an extra
 

@@ -64,8 +64,8 @@ class Video(CellOptions):
         check_cell(self.parts, self.seed, self.speed)
         all_at_least(self, experiment=0)
         methods = named_methods(self.methods)
-        if not 1 <= len(methods) <= _MOST_METHODS or len(set(methods)) < len(methods):
-            raise UsageError(f"expected 1 to {_MOST_METHODS} different names for --methods, got {' '.join(methods)}")
+        if not 1 <= len(methods) <= _MOST_METHODS:
+            raise UsageError(f"expected 1 to {_MOST_METHODS} names for --methods, got {' '.join(methods)}")
         thresholds = load_thresholds(self.thresholds).with_told(self.u_grasp, methods)
         self._check((self.object,), methods, (self.policy,), thresholds)
         return [self._spec(self.object, method, self.policy, thresholds, self.experiment) for method in methods]

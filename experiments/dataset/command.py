@@ -13,8 +13,9 @@ from experiments.dataset.report import format_alternatives, format_tables
 from experiments.dataset.score import Scored, alternatives, score
 from experiments.dataset.thresholds import thresholds_toml
 from experiments.results.files import write_text
-from experiments.results.provenance import manifest, write_json
+from experiments.results.provenance import write_json
 from experiments.setup.checks import writable_folder
+from experiments.setup.options_file import write_manifest
 from experiments.setup.pool import run_all
 from sim.images.generated import Recipe
 from sim.model.parts import load_part
@@ -38,7 +39,7 @@ def dataset(config: Dataset) -> int:
             others[name] = alternatives(judged)
     write_json(folder / "dataset.json", {"objects": [one.as_json() for one in sets]})
     write_text(folder / "thresholds.toml", thresholds_toml(sets, config.command))
-    write_json(folder / "manifest.json", {**manifest(config), "seed": config.seed, "recipe": Recipe()})
+    write_manifest(folder, "dataset", config, seed=config.seed, recipe=Recipe())
     if config.figures:
         from experiments.dataset.figures import draw_curves, draw_errors  # noqa: PLC0415  # needs an extra
 

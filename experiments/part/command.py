@@ -15,8 +15,8 @@ from experiments.part.report import check_lines, next_lines, report_lines
 from experiments.part.search import GraspSearch
 from experiments.part.trials import Tried, try_grasps
 from experiments.results.files import write_text
-from experiments.results.provenance import manifest, write_json
 from experiments.setup.checks import FAILED, writable_folder
+from experiments.setup.options_file import write_manifest
 from maskval import Mesh
 from sim.errors import SimError
 
@@ -66,7 +66,7 @@ def _make(config: MakePart) -> int:
     write_meshes(folder, draft)
     draft, tried = _tried(config, folder, draft, search)
     path = write_part(folder, draft, tried)
-    write_json(folder / "manifest.json", {**manifest(config), "seed": config.seed})
+    write_manifest(folder, "part", config, skip=("mesh", "check"), seed=config.seed)
     print("\n".join(report_lines(draft, tried)))
     if config.preview:
         from experiments.part.preview import draw_preview  # noqa: PLC0415  # an extra

@@ -7,9 +7,10 @@ from experiments.prediction.counting import count_all
 from experiments.prediction.setting import Setting
 from experiments.prediction.summary import Summary, format_summary, summarise
 from experiments.prediction.variants import VARIANTS
-from experiments.results.provenance import manifest, write_json
+from experiments.results.provenance import write_json
 from experiments.setup.checks import writable_folder
 from experiments.setup.error_models import ErrorModel, error_model_of
+from experiments.setup.options_file import write_manifest
 from experiments.setup.thresholds import load_thresholds
 from sim.networks.domain_gap import BASE_REACH, Reach
 
@@ -25,7 +26,7 @@ def predict(config: Predict) -> int:
     folder = writable_folder(config.out)
     worlds = _worlds(config, BASE_REACH)
     names = list(VARIANTS) if "all" in config.variants else list(config.variants)
-    write_json(folder / "manifest.json", {**manifest(config), "seed": config.seed})
+    write_manifest(folder, "predict", config, seed=config.seed)
     results: dict[str, Summary] = {}
     found = {"worlds": {part: [dict(one) for one in rows] for part, rows in worlds.items()}, "variants": results}
     for name in names:

@@ -8,9 +8,10 @@ from experiments.prediction.counting import count_all
 from experiments.prediction.gap_fit import GapFit, design, fit_gap
 from experiments.prediction.robot_targets import robot_targets
 from experiments.prediction.setting import Setting
-from experiments.results.provenance import manifest, write_json
+from experiments.results.provenance import write_json
 from experiments.setup.checks import writable_folder
 from experiments.setup.error_models import cycled, error_model, load_ensemble
+from experiments.setup.options_file import write_manifest
 from experiments.setup.thresholds import load_thresholds
 from sim.model.parts import load_part
 from sim.networks.noise_model import load_noise
@@ -54,7 +55,7 @@ def gap(config: FitGap) -> int:
             "draws": draws,
         },
     )
-    write_json(folder / "manifest.json", {**manifest(config), "seed": config.seed})
+    write_manifest(folder, "gap", config, seed=config.seed)
     print(_report(name, paper, grid, found))
     print(f"results in {folder}")
     return 0

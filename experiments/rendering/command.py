@@ -13,7 +13,7 @@ from tqdm import tqdm
 from cell.layout import default_camera
 from experiments.rendering.config import IMAGES_PER_SCENE, RenderDataset
 from experiments.rendering.files import OBJECT, Labels, targets, write_models, write_picture, write_scene
-from experiments.results.provenance import manifest, write_json
+from experiments.setup.options_file import write_manifest
 from experiments.setup.pool import run_all
 from maskval import bop
 from sim.errors import DivergenceError
@@ -56,7 +56,7 @@ def render_dataset(config: RenderDataset) -> int:
         print(f"graspcell: error: {reason}; the dataset in {config.out} is not complete", file=sys.stderr)
         return FAILED
     bop.write_targets(config.out / f"{config.split}_targets_bop19.json", asked)
-    write_json(config.out / "manifest.json", manifest(config))
+    write_manifest(config.out, "render-dataset", config)
     shown = sum(target.inst_count for target in asked)
     print(f"{config.images} pictures with {shown} parts of at least 10 % visibility in {config.out}")
     return 0

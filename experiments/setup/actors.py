@@ -2,7 +2,6 @@
 
 # ruff: noqa: PLC0415  # the engine is loaded when a job begins: --help does not wait for it, nor need OpenGL
 
-import math
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,6 +11,8 @@ from experiments.errors import UsageError
 
 if TYPE_CHECKING:
     from experiments.setup.error_models import ErrorModel
+
+MOST_TIME = 86_400.0  # s; the operating system's alarm takes no more than some years
 
 
 @dataclass(frozen=True)
@@ -33,8 +34,8 @@ class Actors:
         """Raises UsageError unless the estimators exist and can be had for a part, which exists."""
         from experiments.setup.estimators import check_estimator
 
-        if not 0 < self.time_limit < math.inf:
-            raise UsageError(f"expected --time-limit above 0 s, got {self.time_limit:g}")
+        if not 0 < self.time_limit <= MOST_TIME:
+            raise UsageError(f"expected --time-limit above 0 s and at most {MOST_TIME:g} s, got {self.time_limit:g}")
         check_estimator(self.estimator, self.recorded)
         if self.gap != "none" and self.estimator != "noisy":
             raise UsageError(f"expected --estimator noisy with --gap {self.gap}, got {self.estimator}")

@@ -10,6 +10,7 @@ from tempfile import TemporaryFile
 from typing import TYPE_CHECKING
 
 from experiments.errors import UsageError
+from maskval.spelling import nearest, shown
 
 if TYPE_CHECKING:
     from experiments.setup.thresholds import Thresholds
@@ -17,6 +18,19 @@ if TYPE_CHECKING:
 
 FAILED = 3  # exit code of a command whose experiments, or some of them, failed
 _MOST = 2**31 - 1  # what the logs' columns hold
+_MOST_OF = {  # of counts: what lies beyond is a slip of the keyboard, and fills the memory or takes years
+    "experiments": 100_000,
+    "images": 10_000_000,
+    "trials": 100_000,
+    "resamples": 100_000,
+    "rounds": 1000,
+    "draws": 10_000,
+    "worlds": 10_000,
+    "samples": 64,
+    "views_per_heap": 1000,
+    "after": 8,
+}
+_JOBS_PER_CORE, _FEW_JOBS = 4, 16  # more processes than cores only wait for one another
 
 
 def check_cell(parts: int, seed: int, speed: str) -> None:
@@ -58,22 +72,30 @@ def warn_of_part(model: "PartModel") -> None:
         print(f"graspcell: warning: {model.part.name}: {line}", file=sys.stderr)
 
 
-def at_least(name: str, value: int, least: int) -> None:
-    """Raises UsageError unless the option's value is within what the logs' columns hold."""
-    if not least <= value <= _MOST:
-        raise UsageError(f"expected {name} of at least {least} and at most {_MOST}, got {value}")
+def at_least(name: str, value: int, least: int, most: int = _MOST) -> None:
+    """Raises UsageError unless the option's value is within its bounds; by default what the logs' columns hold."""
+    if not least <= value <= most:
+        raise UsageError(f"expected {name} of at least {least} and at most {most}, got {shown(value)}")
 
 
 def all_at_least(config: object, **least: int) -> None:
-    """Raises UsageError unless each of these options, named by its field, is within what the logs' columns hold."""
+    """Raises UsageError unless each of these options, named by its field, is within the bounds of its kind."""
     for name, value in least.items():
-        at_least(f"--{name.replace('_', '-')}", getattr(config, name), value)
+        most = most_jobs() if name == "jobs" else _MOST_OF.get(name, _MOST)
+        at_least(f"--{name.replace('_', '-')}", getattr(config, name), value, most)
+
+
+def most_jobs() -> int:
+    """Processes that this machine has use for."""
+    return max(_FEW_JOBS, _JOBS_PER_CORE * worker_count(0))
 
 
 def one_of(name: str, value: str, valid: tuple[str, ...]) -> None:
     """Raises UsageError unless the option's value is one of the valid ones."""
     if value not in valid:
-        raise UsageError(f"unknown {name.removeprefix('--')} {value!r}: expected one of {', '.join(valid)}")
+        raise UsageError(
+            f"unknown {name.removeprefix('--')} {value!r}: expected one of {', '.join(valid)}{nearest(value, valid)}"
+        )
 
 
 def writable_folder(folder: Path) -> Path:

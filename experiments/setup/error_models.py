@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Sequence
+from dataclasses import fields
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
@@ -10,6 +11,7 @@ from typing import Any
 from experiments.errors import UsageError
 from maskval import InvalidFileError
 from maskval.input_files import read_input_text
+from maskval.spelling import shown
 from sim.errors import NoiseFileError
 from sim.model.parts import load_part
 from sim.networks.domain_gap import BASE_REACH, Gap, Reach
@@ -68,7 +70,14 @@ def error_model_of(part: str, gap: str, index: int, reach: Reach = BASE_REACH) -
 def _draws(part: str, gap: str) -> tuple[PartNoise, list[dict[str, float]], list[Gap]]:
     model = load_part(part)
     rendered = load_noise(model.noise)
-    return rendered, load_ensemble(model.noise, rendered), load_gaps(model.part.name, gap)
+    members, gaps = load_ensemble(model.noise, rendered), load_gaps(model.part.name, gap)
+    for index, draw in enumerate(gaps):
+        try:
+            for member in members:
+                rendered.changed(dict(error_model(rendered, member, draw)))
+        except NoiseFileError as error:
+            raise UsageError(f"the gap {gap}: draws[{index}] leads to errors that cannot be: {error}") from error
+    return rendered, members, gaps
 
 
 def cycled(items: Sequence[Any], index: int) -> Any:
@@ -93,14 +102,26 @@ def load_gaps(part: str, source: str) -> list[Gap]:
         found = json.loads(read_input_text(path))
         if found["object"] != part:
             raise UsageError(f"the gap {source} is of {found['object']}, but the part is {part}")
-        gaps = [Gap(**row) for row in found["draws"]]
+        gaps = [_gap(f"draws[{index}]", row) for index, row in enumerate(found["draws"])]
     except InvalidFileError as error:
         raise UsageError(
             f"no gap for {part} in {source}: expected none, fitted, or a gap.json of `graspcell gap --part {part}`: "
             f"{error}"
         ) from error
-    except (ValueError, KeyError, TypeError) as error:
-        raise UsageError(f"the gap {source} is malformed: {type(error).__name__}: {error}") from error
+    except KeyError as missing:
+        raise UsageError(f"the gap {source} is malformed: the key {missing} is missing") from missing
+    except (ValueError, TypeError, RecursionError) as error:
+        raise UsageError(f"the gap {source} is malformed: {error}") from error
     if not gaps:
         raise UsageError(f"the gap {source} holds no draws")
     return gaps
+
+
+def _gap(key: str, row: Any) -> Gap:
+    names = [entry.name for entry in fields(Gap)]
+    if not isinstance(row, dict) or set(row) != set(names):
+        raise ValueError(f"expected {key} with {' and '.join(names)}, got {shown(row)}")
+    for name, value in row.items():
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise ValueError(f"expected {key}.{name} to be a number, got {shown(value)}")
+    return Gap(**row)

@@ -10,6 +10,7 @@ from experiments.errors import UsageError
 from experiments.setup.plugins import chosen, make_object
 from experiments.setup.thresholds import Thresholds
 from maskval import Ensemble, InvalidEstimatesError, RandomUncertainty, UncertaintyMethod, needs_of
+from maskval.spelling import is_finite, shown
 from policies import Always, ThresholdPolicy
 from sim.networks.ground_truth import LatestTruth
 from sim.networks.oracles import OracleMask, OracleMdd
@@ -89,6 +90,7 @@ def make_uncertainty(name: str, context: Context) -> UncertaintyMethod:
     if name in METHODS:
         return METHODS[name](context)
     made: UncertaintyMethod = make_object(name, make, ("__call__",))
+    own_threshold(made, name)
     try:
         needs_of(made)
     except InvalidEstimatesError as error:
@@ -106,7 +108,7 @@ def make_method(name: str, context: Context) -> Method:
     if name in NEEDS_NO_THRESHOLD:
         return Method(uncertainty, Always())
     thresholds = context.thresholds
-    u_grasp = thresholds.of(context.part.name, name, own_threshold(uncertainty), source=context.source)
+    u_grasp = thresholds.of(context.part.name, name, own_threshold(uncertainty, name), source=context.source)
     return Method(uncertainty, ThresholdPolicy(u_grasp, thresholds.refine))
 
 
@@ -119,7 +121,19 @@ def known_method(name: str, part: Part, thresholds: Thresholds, *, source: str |
     return make_method(name, Context(part, thresholds, Streams(0, 0, part.name), LatestTruth(), source))
 
 
-def own_threshold(uncertainty: UncertaintyMethod) -> float | None:
-    """A method's own u_t,g, its attribute `u_grasp`; used if none was derived."""
-    u_grasp: float | None = getattr(uncertainty, "u_grasp", None)
-    return u_grasp
+def own_threshold(uncertainty: UncertaintyMethod, name: str) -> float | None:
+    """A method's own u_t,g, its attribute `u_grasp`; used if none was derived.
+
+    Args:
+        uncertainty: the method.
+        name: its name, for the message.
+
+    Raises:
+        UsageError: it is no number from 0 to 1.
+    """
+    u_grasp = getattr(uncertainty, "u_grasp", None)
+    if u_grasp is None:
+        return None
+    if not is_finite(u_grasp) or not 0.0 <= u_grasp <= 1.0:
+        raise UsageError(f"{name}: expected its u_grasp to be a number in [0, 1], got {shown(u_grasp)}")
+    return float(u_grasp)

@@ -10,3 +10,13 @@ METHOD_NAMES = (
 )  # the keys of experiments.setup.methods.METHODS
 POLICY_NAMES = ("always", "best-of-view", "threshold", "patient", "next-best-view", "fuse")  # of policies.POLICIES
 OWN = "or your own as package.module:Class"
+
+_SINGULAR = {"--objects": "--object", "--methods": "--method", "--policies": "--policy"}
+NAMES_IN_BOTH_NUMBERS = {*_SINGULAR, *_SINGULAR.values()}  # every command takes both, as it has one of them
+
+
+def option_name(argument: str) -> str:
+    """One spelling of an option, whichever an argument has: --fresh_look, --no-fresh-look, --objects=handle."""
+    name = argument.partition("=")[0].replace("_", "-")
+    name = f"--{name.removeprefix('--no-')}" if name.startswith("--no-") else name
+    return _SINGULAR.get(name, name)

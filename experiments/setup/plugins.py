@@ -9,6 +9,7 @@ from typing import Any, TypeVar
 
 from cell.guards import TIME_LIMIT, describe_error, guarded_call
 from experiments.errors import UsageError
+from maskval.spelling import nearest
 
 T = TypeVar("T")
 
@@ -27,8 +28,8 @@ def chosen(option: str, name: str, known: Mapping[str, T]) -> T | Callable[..., 
     if name in known:
         return known[name]
     if ":" not in name:
-        what, valid = option.removeprefix("--"), ", ".join(known)
-        raise UsageError(f"unknown {what} {name!r}: expected one of {valid}, or your own as package.module:Class")
+        what, valid = option.removeprefix("--"), f"{', '.join(known)}, or your own as package.module:Class"
+        raise UsageError(f"unknown {what} {name!r}: expected one of {valid}{nearest(name, known)}")
     return load_object(name)
 
 

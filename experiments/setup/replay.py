@@ -7,17 +7,23 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
+import pyarrow as pa
 import pyarrow.parquet as pq
 
 from cell.interfaces import Detection, Frame, Image
 from cell.perception import by_score
 from cell.setup import EstimatorSetup
 from experiments.errors import UsageError
+from experiments.results.store import SCHEMAS
 from maskval import MaskvalError, Pose, bop, mask_from_rle, mdd
 from maskval.input_files import MOST_RESULTS, check_input
 
 LOGS = ("frames.parquet", "estimates.parquet")
 MASKS, POSES = "masks.json", ("poses.csv", "poses_2.csv")  # of one network, or of two
+_COLUMNS = {  # of a log: what every row has, and what may be null
+    "frames": (("frame", "X_BC", "inference_s"), ("detections",)),
+    "estimates": (("frame", "mask_rle", "score", "X_CO_est"), ("X_CO_est_2",)),
+}
 _ELSEWHERE = 0.001  # m: the robot comes back to a view within micrometres; another view is centimetres away
 
 Row = TypeVar("Row", bop.DetectionResult, bop.PoseResult)
@@ -113,20 +119,25 @@ def _of_logs(folder: Path, setup: EstimatorSetup, method: str) -> Recording:
     key = {"object": setup.part.name, "method": method, "experiment": setup.experiment}
     name = f"{folder}, {setup.part.name} × {method}, experiment {setup.experiment}"
     frames, estimates = (_rows(folder / file, key) for file in LOGS)
+    whole = [row for row in frames if row["detections"] is not None]
+    if not whole:
+        raise UsageError(f"{name}: nothing recorded")
     by_frame: dict[int, list[Entry]] = defaultdict(list)
     for row in estimates:
         try:
             mask = mask_from_rle(row["mask_rle"], setup.camera.height, setup.camera.width)
             poses = tuple(_pose(row[column]) for column in ("X_CO_est", "X_CO_est_2") if row[column] is not None)
-        except MaskvalError as error:
+            by_frame[row["frame"]].append((Detection(mask, row["score"]), poses))
+        except (MaskvalError, TypeError) as error:
             raise UsageError(f"{name}: frame {row['frame']}: {error}") from error
-        by_frame[row["frame"]].append((Detection(mask, row["score"]), poses))
-    whole = [row for row in frames if row["detections"] is not None]
-    if not whole:
-        raise UsageError(f"{name}: nothing recorded")
-    recorded = {row["frame"]: Recorded(_pose(row["X_BC"]), tuple(by_frame[row["frame"]])) for row in whole}
-    networks = max((len(poses) for entries in by_frame.values() for _, poses in entries), default=2)
-    return Recording(name, recorded, whole[0]["inference_s"], networks)
+    try:
+        recorded = {row["frame"]: Recorded(_pose(row["X_BC"]), tuple(by_frame[row["frame"]])) for row in whole}
+    except (MaskvalError, TypeError) as error:
+        raise UsageError(f"{name}: X_BC of a frame: {error}") from error
+    counts = {len(poses) for entries in by_frame.values() for _, poses in entries} or {2}
+    if len(counts) > 1:
+        raise UsageError(f"{name}: expected X_CO_est_2 of every estimate or of none")
+    return Recording(name, recorded, whole[0]["inference_s"], counts.pop())
 
 
 def _of_bop(folder: Path, setup: EstimatorSetup) -> Recording:
@@ -169,11 +180,22 @@ def _by_image(rows: Iterable[Row], scene: int) -> dict[int, list[Row]]:
 
 def _rows(file: Path, key: dict[str, object]) -> list[dict[str, Any]]:
     try:
-        rows: list[dict[str, Any]] = pq.read_table(
-            check_input(file), filters=[(name, "==", value) for name, value in key.items()]
-        ).to_pylist()
-    except (OSError, ValueError) as error:
-        raise UsageError(f"{file}: expected a log of compare or run: {error}") from error
+        table = pq.read_table(check_input(file), filters=[(name, "==", value) for name, value in key.items()])
+        schema, (needed, optional) = SCHEMAS[file.stem], _COLUMNS[file.stem]
+        columns = [schema.field(name) for name in (*needed, *optional)]
+        rows: list[dict[str, Any]] = table.select([*needed, *optional]).cast(pa.schema(columns)).to_pylist()
+    except (
+        OSError,
+        ValueError,
+        KeyError,
+        NotImplementedError,
+    ) as error:  # Arrow's, of a column missing or of another type
+        reason = next(iter(str(error).splitlines()), "")
+        raise UsageError(f"{file}: expected a log of compare or run: {reason}") from error
+    for row in rows:
+        for name in () if row.get("detections", 0) is None else needed:
+            if row[name] is None:
+                raise UsageError(f"{file}: expected {name} in every row, got null in frame {row['frame']}")
     return rows
 
 

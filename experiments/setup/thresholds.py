@@ -11,6 +11,7 @@ from experiments.errors import UsageError
 from maskval import InvalidFileError
 from maskval.input_files import read_input_text
 from maskval.methods.ensemble import ENSEMBLE_MAXIMUM_M
+from maskval.spelling import nearest, number
 
 _PRESETS = files("experiments") / "presets"
 _FORM = (
@@ -83,10 +84,12 @@ class Thresholds:
         told = {}
         for option in options:
             method, _, value = option.rpartition("=")
+            if method in told:
+                raise UsageError(f"expected --u-grasp {method}=U once, got it twice")
             if method not in methods:
                 raise UsageError(f"expected --u-grasp METHOD=U of {', '.join(methods)}, got {option!r}")
             try:
-                told[method] = _in_unit_interval(f"--u-grasp {method}", float(value))
+                told[method] = _in_unit_interval(f"--u-grasp {method}", number(value))
             except ValueError:
                 raise UsageError(f"expected --u-grasp {method}=U with U in [0, 1], got {option!r}") from None
         return replace(self, told=told)
@@ -108,6 +111,7 @@ def load_thresholds(name_or_file: str) -> Thresholds:
         if name_or_file not in known:
             raise UsageError(
                 f"unknown thresholds {name_or_file!r}: expected one of {', '.join(known)}, or the path of a .toml file"
+                f"{nearest(name_or_file, known)}"
             )
         text = (_PRESETS / f"{name_or_file}.toml").read_text()
     try:

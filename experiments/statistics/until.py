@@ -8,6 +8,7 @@ from typing import Literal
 
 from experiments.errors import UsageError
 from experiments.statistics.sequential import confidence_sequence, is_above, units_of
+from maskval.spelling import number as parsed
 
 Quantity = Literal["ap", "ar", "placed", "failed"]
 RATES: tuple[Quantity, ...] = ("ap", "ar")
@@ -135,7 +136,7 @@ def _differences(values: Sequence[float | None], others: Sequence[float | None])
 def _bound(quantity: Quantity, number: str, text: str) -> float:
     most = 1.0 if quantity in RATES else float("inf")
     try:
-        bound = float(number)
+        bound = parsed(number)
     except ValueError:
         raise UsageError(f'expected a number or {quantity}(METHOD) on the right of "{text}", got {number}') from None
     if not 0 < bound < most:

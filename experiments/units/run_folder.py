@@ -16,6 +16,7 @@ from experiments.results.files import replacing
 from experiments.results.provenance import write_json
 from experiments.results.store import SCHEMAS
 from experiments.setup.checks import writable_folder
+from experiments.setup.options_file import NAME
 from experiments.units.identity import Description, differences
 from experiments.units.unit import Unit, content_digest, place, unpacked
 
@@ -272,7 +273,7 @@ def _locked(path: Path) -> Iterator[None]:
 
 def _empty(path: Path) -> None:
     """Removes what runs write, and nothing else. What was asked for goes first: what is left then means nothing."""
-    for name in (ASKED, *_WRITTEN):
+    for name in (ASKED, *_WRITTEN, NAME):
         (path / name).unlink(missing_ok=True)
     for name in (_UNITS, _FAILED):
         shutil.rmtree(path / name, ignore_errors=True)

@@ -1,6 +1,6 @@
 """What the learning environments have in common: a world of their own, seeds, pictures and the truth for `info`."""
 
-from dataclasses import replace
+from dataclasses import fields, replace
 from typing import Any, Generic, SupportsFloat, TypeVar
 
 import gymnasium
@@ -9,7 +9,9 @@ import numpy as np
 from cell.interfaces import Detection, Frame, Image, MaskEstimator, Observation, Outcome
 from cell.layout import Layout
 from maskval import UncertaintyMethod, mdd
+from maskval.spelling import shown
 from sim.errors import EnvOptionError
+from sim.gym.checks import check_keys, check_kind, check_name, check_whole
 from sim.gym.observation import AllMethods, DetectionEncoder, Encoded
 from sim.gym.options import EnvOptions
 from sim.model.parts import load_part
@@ -21,6 +23,7 @@ from sim.runtime.pictures import Pictures
 from sim.runtime.viewer import Window, has_display
 
 Action = TypeVar("Action")
+MOST_SIZE = (1080, 1920)  # px, what the model's off-screen buffer holds
 TIME_LIMIT = 3600.0  # s of the wall clock per call of a network or method: learning keeps machines busy for hours
 
 Info = dict[str, Any]
@@ -41,9 +44,14 @@ class CellEnv(gymnasium.Env[Encoded, Action], Generic[Action]):
     """
 
     def __init__(self, render_mode: str | None = None, render_size: tuple[int, int] = (480, 640), **options: Any):
+        check_keys("options", options, (entry.name for entry in fields(EnvOptions)))
         self.options = EnvOptions(**options)
-        if render_mode not in (None, "human", "rgb_array"):
-            raise EnvOptionError(f"unknown render_mode {render_mode!r}: expected None, human or rgb_array")
+        if render_mode is not None:
+            check_name("render_mode", render_mode, ("human", "rgb_array"))
+        if not isinstance(render_size, tuple | list) or len(render_size) != 2:  # height and width
+            raise EnvOptionError(f"expected render_size to be height and width, px, got {shown(render_size)}")
+        for name, size, most in zip(("height", "width"), render_size, MOST_SIZE, strict=True):
+            check_whole(f"render_size's {name}", size, 1, most)
         self.render_mode, self._render_size = render_mode, render_size
         if not has_display():  # what can be chosen here
             self.metadata = {**self.metadata, "render_modes": ["rgb_array"]}
@@ -59,7 +67,7 @@ class CellEnv(gymnasium.Env[Encoded, Action], Generic[Action]):
 
     def _begin_episode(self, seed: int | None, options: dict[str, Any] | None) -> Episode:
         """Seeds the episode and begins it."""
-        noise = self._choose_experiment(seed, options or {})
+        noise = self._choose_experiment(seed, {} if options is None else options)
         cell = self._built()
         chosen = self.options
         streams = Streams(self._seed or 0, self._experiment, cell.world.part_model.part.name)
@@ -73,10 +81,13 @@ class CellEnv(gymnasium.Env[Encoded, Action], Generic[Action]):
 
     def _choose_experiment(self, seed: int | None, options: dict[str, Any]) -> PartNoise:
         """Chooses it; returns the episode's error model."""
-        gymnasium.Env.reset(self, seed=seed)
-        if unknown := set(options) - {"experiment", "noise"}:
-            raise EnvOptionError(f"unknown reset options {', '.join(sorted(unknown))}: expected experiment, noise")
+        if seed is not None:
+            check_whole("seed", seed, 0, 2**63 - 1)
+        check_keys("reset options", options, ("experiment", "noise"))
+        check_whole("experiment", options.get("experiment", 0), 0, 2**31 - 1)
         changed = options.get("noise", {})
+        check_kind("noise", changed, dict)
+        gymnasium.Env.reset(self, seed=seed)
         if changed and self.options.estimator != "noisy":
             raise EnvOptionError(f"expected no noise with the estimator {self.options.estimator}, got {changed}")
         noise = load_noise(load_part(self.options.part).noise).changed(changed)
@@ -115,7 +126,10 @@ class CellEnv(gymnasium.Env[Encoded, Action], Generic[Action]):
         for held in (self._window, self._overview, self._cell.camera if self._cell else None):
             if held is not None:
                 held.close()
+        if self._cell is not None:
+            self._cell.world.on_step = None
         self._cell = self._overview = self._window = None
+        self._latest_truth, self._methods = LatestTruth(), {}
 
     def _truth(self, observation: Observation | None = None) -> Info:
         """Where the parts are, and which of them the newest picture's detections show with which error."""

@@ -102,6 +102,14 @@ class GraspCellEnv(CellEnv[np.int64]):
         info = self._info(events) | {"invalid_action": not valid} | outcome
         return self._encoded(), reward, "count" in outcome, "failure" in outcome, info
 
+    def close(self) -> None:
+        """See `CellEnv`; what the episode holds of the world is let go of, too."""
+        if self._decisions is not None:
+            self._decisions.close()
+        self._decisions = self._perception = self._seen = None
+        self._records = []
+        super().close()
+
     def action_masks(self) -> NDArray[np.bool_]:
         """Which actions are valid now, (1 + 2 N,): the search always, others on detections that exist."""
         n = self.options.max_detections

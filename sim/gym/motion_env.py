@@ -102,6 +102,11 @@ class GraspCellMotionEnv(CellEnv[NDArray[np.float32]]):
         told |= self._info(progress, [event(end, slot, now) for end in ends])
         return self._encoded(progress), reward, terminated, "failure" in told, told
 
+    def close(self) -> None:
+        """See `CellEnv`; what the episode holds of the world is let go of, too."""
+        self._progress = None
+        super().close()
+
     def _judge(self, progress: _Progress, contact: Contact | None) -> list[Outcome | None]:
         """What ended in this step: an attempt, by a contact or after letting go, or a slot's time (None)."""
         now, outcome = progress.episode.station.time, None

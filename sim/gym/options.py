@@ -2,17 +2,20 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, fields
-from math import isfinite
 from typing import get_args
 
 from cell.interfaces import Image, Outcome
 from cell.motion_limits import PRESETS
-from maskval import METHODS, UncertaintyMethod
+from maskval import METHODS, UncertaintyMethod, needs_of
+from maskval.spelling import is_finite, shown
 from sim.errors import EnvOptionError
+from sim.gym.checks import check_kind, check_name, check_names, check_number, check_whole
 from sim.model.conditions import Conditions
 from sim.networks.estimators import Kind
 
 IMAGES = ("rgb", "depth", "masks")
+MOST_TIME = 3600.0  # s of a slot: a part takes 20
+MOST_DETECTIONS = 100  # eight parts lie on the belt
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,8 +36,9 @@ class Rewards:
 
     def __post_init__(self) -> None:
         for entry in fields(self):
-            if not isfinite(getattr(self, entry.name)):
-                raise EnvOptionError(f"expected a finite reward {entry.name}, got {getattr(self, entry.name)}")
+            value = getattr(self, entry.name)
+            if not is_finite(value):
+                raise EnvOptionError(f"expected a finite reward {entry.name}, got {shown(value)}")
 
     def of(self, ends: Iterable[Outcome | None], seconds: float) -> float:
         """The reward of slots with these outcomes, None for a time-out, and of the time that has passed."""
@@ -77,19 +81,31 @@ class EnvOptions:
     truth: bool = False
 
     def __post_init__(self) -> None:
-        if self.n_parts not in range(1, 9):
-            raise EnvOptionError(f"expected n_parts of 1 to 8, got {self.n_parts}")
-        if not (isfinite(self.slot_time) and self.slot_time > 0.0):
-            raise EnvOptionError(f"expected slot_time above 0 s, got {self.slot_time}")
-        if self.max_detections < 1:
-            raise EnvOptionError(f"expected max_detections of at least 1, got {self.max_detections}")
-        if isinstance(self.methods, str) or not self.methods:
-            raise EnvOptionError(f"expected methods to be a tuple of names or a mapping, got {self.methods!r}")
+        check_kind("part", self.part, str)
+        check_whole("n_parts", self.n_parts, 1, 8)
+        check_number("slot_time", self.slot_time, 0.0, MOST_TIME)
+        self._check_methods()
+        check_name("estimator", self.estimator, get_args(Kind))
+        check_name("speed", self.speed, PRESETS)
+        check_kind("conditions", self.conditions, Conditions)
+        check_kind("rewards", self.rewards, Rewards)
+        check_whole("max_detections", self.max_detections, 1, MOST_DETECTIONS)
+        check_names("images", self.images, IMAGES)
+        check_kind("truth", self.truth, bool)
+
+    def _check_methods(self) -> None:
+        if isinstance(self.methods, str) or not isinstance(self.methods, tuple | list | Mapping) or not self.methods:
+            raise EnvOptionError(f"expected methods to be a tuple of names or a mapping, got {shown(self.methods)}")
         if not isinstance(self.methods, Mapping):
-            _chosen("methods", self.methods, tuple(METHODS))
-        _chosen("images", self.images, IMAGES)
-        _chosen("estimator", (self.estimator,), get_args(Kind))
-        _chosen("speed", (self.speed,), tuple(PRESETS))
+            check_names("methods", self.methods, METHODS)
+            return
+        for name, method in self.methods.items():
+            if not isinstance(name, str) or not callable(method):
+                raise EnvOptionError(
+                    f"expected methods by name, each a maskval.UncertaintyMethod that is called with estimates, "
+                    f"got {shown(method)} for {shown(name)}"
+                )
+            needs_of(method)
 
     def make_methods(self) -> dict[str, UncertaintyMethod]:
         """The methods by name, new ones for those of the library; the controller logs the first one's u."""
@@ -101,9 +117,3 @@ class EnvOptions:
     def camera_images(self) -> frozenset[Image]:
         """The images that the observation needs of the camera."""
         return frozenset(Image(name) for name in self.images if name != "masks")
-
-
-def _chosen(name: str, chosen: tuple[str, ...], valid: tuple[str, ...]) -> None:
-    for one in (chosen,) if isinstance(chosen, str) else chosen:
-        if one not in valid:
-            raise EnvOptionError(f"unknown {name} {one!r}: expected {', '.join(valid)}")

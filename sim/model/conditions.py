@@ -8,6 +8,7 @@ import numpy as np
 
 from cell.layout import Belt
 from maskval import Camera, Pose
+from maskval.spelling import is_finite, shown
 from sim.errors import ConditionsError
 
 Clutter = Literal["none", "close", "touching", "distractors"]
@@ -69,8 +70,10 @@ class Conditions:
     """none: 55 mm around every part; close: 15 mm; touching: parts lean on one another; distractors: other things."""
 
     def __post_init__(self) -> None:
+        for name in RANGES:
+            _check_numbers(name, getattr(self, name), getattr(Conditions, name))
         if self.clutter not in CLUTTERS:
-            raise ConditionsError(f"unknown clutter {self.clutter!r}: expected one of {', '.join(CLUTTERS)}")
+            raise ConditionsError(f"unknown clutter {shown(self.clutter)}: expected one of {', '.join(CLUTTERS)}")
         if self.belt_speed > 0.0 and self.clutter != "none":
             raise ConditionsError(f"expected --clutter none on a moving belt, got {self.clutter}")
         for name, (least, most) in RANGES.items():
@@ -93,6 +96,15 @@ class Conditions:
     def belt_true(self, belt: Belt) -> Belt:
         """The belt as it runs, given the one that the controller believes in."""
         return replace(belt, speed=belt.speed * (1.0 + self.belt_speed_error_percent / 100.0))
+
+
+def _check_numbers(name: str, value: object, default: float | tuple[float, ...]) -> None:
+    """Raises ConditionsError unless the value is a number, or as many of them as the default has."""
+    numbers = value if isinstance(default, tuple) and isinstance(value, tuple) else (value,)
+    wanted = len(default) if isinstance(default, tuple) else 1
+    if len(numbers) != wanted or not all(isinstance(x, float) or is_finite(x) for x in numbers):
+        what = "a number" if wanted == 1 else f"{wanted} numbers"
+        raise ConditionsError(f"expected --{name.replace('_', '-')} to be {what}, got {shown(value)}")
 
 
 UNDISTURBED = Conditions()

@@ -15,6 +15,7 @@ from cell.part import Grasp, Part
 from cell.rounding import rounded
 from maskval import InvalidFileError, MaskvalError, Mesh, Pose, SymmetryAxis
 from maskval.input_files import MOST_MESH, read_input, read_input_text
+from maskval.spelling import nearest
 from sim.errors import PartFileError
 from sim.parts.mesh_files import check_mesh, convex_hull, read_mesh
 from sim.parts.part_checks import check_part
@@ -72,6 +73,7 @@ def load_part(name_or_file: str) -> PartModel:
     if name_or_file not in part_names():
         raise PartFileError(
             f"unknown object {name_or_file!r}: expected one of {', '.join(part_names())}, or the path of a .toml file"
+            f"{nearest(name_or_file, part_names())}"
         )
     return _read((_PART_FOLDER / f"{name_or_file}.toml").read_text(), Path(), name_or_file)
 

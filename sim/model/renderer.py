@@ -45,6 +45,7 @@ class Renderer:
     """An off-screen renderer of one model; holds an OpenGL context, so make few and `close` them."""
 
     def __init__(self, mj_model: mujoco.MjModel, height: int, width: int) -> None:
+        check_not_forked()
         with opened_opengl():
             self._renderer: Any = mujoco.Renderer(mj_model, height, width)
         names = (mujoco.mj_id2name(mj_model, mujoco.mjtObj.mjOBJ_GEOM, geom) or "" for geom in range(mj_model.ngeom))
@@ -61,6 +62,7 @@ class Renderer:
             samples: how many pictures it is the mean of; each is seen from another point of the pixel, by light from
                 another point of the lamps: edges are smooth, and shadows soft.
         """
+        check_not_forked()
         self._renderer.disable_depth_rendering()
         self._renderer.disable_segmentation_rendering()
         if samples == 1:
@@ -75,6 +77,7 @@ class Renderer:
 
     def depth(self, data: mujoco.MjData, camera: str) -> NDArray[np.float32]:
         """z-depth, (H, W) m; 0 where the camera sees nothing."""
+        check_not_forked()
         self._renderer.disable_segmentation_rendering()
         self._renderer.enable_depth_rendering()
         depth = self._render(data, camera).copy()
@@ -84,6 +87,7 @@ class Renderer:
 
     def instance_ids(self, data: mujoco.MjData, camera: str) -> NDArray[np.int8]:
         """Which part each pixel shows, (H, W); `NO_INSTANCE` where it shows none."""
+        check_not_forked()
         self._renderer.enable_segmentation_rendering()
         seen = self._render(data, camera)
         self._renderer.disable_segmentation_rendering()
@@ -91,13 +95,33 @@ class Renderer:
         return self._part_of_geom[np.where(is_geom, seen[..., 0], -1)]
 
     def close(self) -> None:
-        """Gives the OpenGL context back."""
-        self._renderer.close()
+        """Gives the OpenGL context back; that of a process that forked this one stays its own."""
+        if os.getpid() in _opened_in:
+            self._renderer.close()
 
     def _render(self, data: mujoco.MjData, camera: str) -> NDArray[Any]:
         self._renderer.update_scene(data, camera)
         image: NDArray[Any] = self._renderer.render()
         return image
+
+
+_opened_in: set[int] = set()  # the process that has opened OpenGL, and with it those that it forks
+
+
+def check_not_forked() -> None:
+    """Notes that this process uses OpenGL.
+
+    Raises:
+        GraphicsError: OpenGL was opened by the process that forked this one, where it would wait without end.
+    """
+    here = os.getpid()
+    if _opened_in and here not in _opened_in:
+        raise GraphicsError(
+            f"process {here} was forked by one that had opened OpenGL, which does not survive that: expected processes "
+            'that are spawned, as by multiprocessing.get_context("spawn"), or gymnasium.make_vec(..., '
+            'vectorization_mode="async", vector_kwargs={"context": "spawn"})'
+        )
+    _opened_in.add(here)
 
 
 def _shift(scene: mujoco.MjvScene, height: int, number: int, samples: int) -> None:

@@ -14,6 +14,7 @@ from typing import Any, TypeVar
 
 from maskval import InvalidFileError
 from maskval.input_files import read_input_text
+from maskval.spelling import nearest, shown
 from sim.errors import NoiseFileError
 
 _NOISE_FOLDER = files("sim") / "assets" / "noise"
@@ -168,10 +169,11 @@ def bounds(name: str) -> tuple[float, float]:
 
 def _numeric(name: str) -> tuple[str, str]:
     """Section and key of a parameter that is a number."""
-    section, _, key = name.partition(".")
     known = [f"{one}.{entry.name}" for one, record in SECTIONS.items() for entry in fields(record) if entry.metadata]
-    if name not in known:
-        raise NoiseFileError(f"unknown noise parameter {name!r}: expected one of {', '.join(known)}")
+    if not isinstance(name, str) or name not in known:
+        hint = nearest(name, known) if isinstance(name, str) else ""
+        raise NoiseFileError(f"unknown noise parameter {shown(name)}: expected one of {', '.join(known)}{hint}")
+    section, _, key = name.partition(".")
     return section, key
 
 
@@ -206,6 +208,7 @@ def noise_text(name_or_file: str) -> str:
     if name_or_file not in noise_names():
         raise NoiseFileError(
             f"unknown noise {name_or_file!r}: expected one of {', '.join(noise_names())}, or the path of a .toml file"
+            f"{nearest(name_or_file, noise_names())}"
         )
     return (_NOISE_FOLDER / f"{name_or_file}.toml").read_text(encoding="utf-8")
 

@@ -1,5 +1,7 @@
 """Pictures of a world as it stands; taking them changes nothing in it."""
 
+from weakref import WeakKeyDictionary
+
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +27,16 @@ def scenery_of(world: World) -> mujoco.MjModel:
     )
 
 
+_SCENERIES: WeakKeyDictionary[World, mujoco.MjModel] = WeakKeyDictionary()  # of pictures, which change nothing in it
+
+
+def _shared_scenery(world: World) -> mujoco.MjModel:
+    """One model for all pictures of a world, which takes 45 MB."""
+    if world not in _SCENERIES:
+        _SCENERIES[world] = scenery_of(world)
+    return _SCENERIES[world]
+
+
 class Pictures:
     """Takes pictures of a world; holds an OpenGL context, so make few and `close` them.
 
@@ -41,7 +53,7 @@ class Pictures:
 
     def __init__(self, world: World, height: int, width: int, samples: int = SAMPLES) -> None:
         self._world, self._samples = world, samples
-        self._mj_model = scenery_of(world)
+        self._mj_model = _shared_scenery(world)
         self._data = mujoco.MjData(self._mj_model)
         self._renderer = Renderer(self._mj_model, height, width)
         self._renderer.rgb(self._data, OVERVIEW)  # the first frame's shadows may differ by a grey level

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cell.errors import EstimatorError
+from cell.errors import EstimatorError, UncertaintyError
 from cell.interfaces import Detection, Frame, Image, Observation
 from cell.perception import Perception
 from maskval import Ensemble, Pose
@@ -110,12 +110,13 @@ def raising() -> Any:
     raise FloatingPointError("the loss went to the moon")
 
 
-def assert_refused(seeing: Perception, who: str, *words: str) -> None:
+def assert_refused(seeing: Perception, who: str, *words: str, kind: type[EstimatorError] | None = None) -> None:
     """The second frame, of index 1, is refused in the name of the one to blame."""
     station = FakeStation(LAYOUT)
     station.take_frame(frozenset())
     with pytest.raises(EstimatorError) as refusal:
         look(seeing, station)
+    assert kind is None or type(refusal.value) is kind
     message = str(refusal.value)
     assert message.startswith(f"{who} on frame 1: ")
     for word in words:
@@ -160,21 +161,29 @@ def test_a_pose_estimator_that_returns_rubbish_is_refused_by_name_and_frame(answ
     assert_refused(seeing, "Answering", *words)
 
 
+EXPECTED = "expected 2 uncertainties in [0, 1], got "
 BAD_UNCERTAINTIES = [
     (raising, "raised FloatingPointError: the loss went to the moon"),
-    (lambda: None, "expected 2 uncertainties in [0, 1], got nan"),
-    (lambda: "much", "raised ValueError"),
-    (lambda: np.zeros(3), "expected 2 uncertainties in [0, 1], got [0. 0. 0.]"),
-    (lambda: np.zeros((2, 1)), "expected 2 uncertainties in [0, 1]"),
-    (lambda: np.array([0.5, np.nan]), "expected 2 uncertainties in [0, 1], got [0.5 nan]"),
-    (lambda: np.array([0.5, 1.5]), "expected 2 uncertainties in [0, 1], got [0.5 1.5]"),
-    (lambda: np.array([-0.5, 0.5]), "expected 2 uncertainties in [0, 1], got [-0.5  0.5]"),
+    (lambda: None, f"{EXPECTED}object None"),
+    (lambda: "much", f"{EXPECTED}<U4 'much'"),
+    (lambda: ["0.1", "0.2"], f"{EXPECTED}<U3 ['0.1', '0.2']"),
+    (lambda: [True, False], f"{EXPECTED}bool [True, False]"),
+    (lambda: [0.1 + 0.1j, 0.2], f"{EXPECTED}complex128 "),
+    (lambda: [[0.1], [0.1, 0.2]], "raised ValueError"),
+    (lambda: np.zeros(3), f"{EXPECTED}float64 [0.0, 0.0, 0.0]"),
+    (lambda: np.zeros((2, 1)), EXPECTED),
+    (lambda: np.array([0.5, np.nan]), f"{EXPECTED}float64 [0.5, nan]"),
+    (lambda: np.array([0.5, 1.5]), f"{EXPECTED}float64 [0.5, 1.5]"),
+    (lambda: np.array([-0.5, 0.5]), f"{EXPECTED}float64 [-0.5, 0.5]"),
+    (lambda: [10**400, 0], f"{EXPECTED}object "),
 ]
 
 
 @pytest.mark.parametrize(("answer", "words"), [(answer, words) for answer, *words in BAD_UNCERTAINTIES])
 def test_a_method_that_returns_rubbish_is_refused_by_name_and_frame(answer, words):
-    assert_refused(perception(FakeMasks([[0.9, 0.8]]), method=Judging(answer)), "Judging", *words)
+    assert_refused(
+        perception(FakeMasks([[0.9, 0.8]]), method=Judging(answer)), "Judging", *words, kind=UncertaintyError
+    )
 
 
 def test_a_method_that_needs_more_estimators_than_there_are_is_refused():
@@ -185,9 +194,11 @@ def test_a_method_that_needs_more_estimators_than_there_are_is_refused():
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ({"inference_time": -1.0}, "expected inference_time in seconds, 0 or more, got -1.0"),
-        ({"inference_time": float("nan")}, "expected inference_time in seconds, 0 or more, got nan"),
-        ({"inference_time": "1 s"}, "expected inference_time in seconds, 0 or more, got '1 s'"),
+        ({"inference_time": -1.0}, "expected inference_time of 0 to 60 s, got -1.0"),
+        ({"inference_time": float("nan")}, "expected inference_time of 0 to 60 s, got nan"),
+        ({"inference_time": "1 s"}, "expected inference_time of 0 to 60 s, got '1 s'"),
+        ({"inference_time": True}, "expected inference_time of 0 to 60 s, got True"),
+        ({"inference_time": 1e6}, "expected inference_time of 0 to 60 s, got 1000000.0"),
         ({"images": [Image.RGB]}, "expected images to be a frozenset of cell.interfaces.Image, got "),
         ({"images": frozenset({"rgb"})}, "expected images to be a frozenset of cell.interfaces.Image, got "),
     ],

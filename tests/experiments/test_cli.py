@@ -14,16 +14,19 @@ ROOT = Path(__file__).parents[2]
 WRONG = [  # arguments, words that the one line of error must hold
     ([], ["compare", "run"]),
     (["compere"], ["compere", "compare", "run"]),
-    (["compare", "--object", "antenna"], ["--object", "valid options of compare", "--objects", "--hand-eye-error-mm"]),
-    (["run", "--objects", "antenna"], ["--objects", "valid options of run", "--object", "--experiment"]),
-    (["compare", "--objects"], ["expected at least one name for --objects, got none"]),
-    (["compare", "--methods"], ["expected at least one name for --methods, got none"]),
+    (
+        ["compare", "--objet", "antenna"],
+        ["--objet", "valid options of compare", "--hand-eye-error-mm", "mean --objects?"],
+    ),
+    (["run", "--experment", "1"], ["--experment", "valid options of run", "--object", "did you mean --experiment?"]),
+    (["compare", "--objects"], ["expected at least one value for --objects, got none"]),
+    (["compare", "--methods"], ["expected at least one value for --methods, got none"]),
     (["compare", "--objects", "cup"], ["unknown object 'cup'", "antenna, handle", ".toml"]),
     (["compare", "--objects", "handle", "cup"], ["unknown object 'cup'", "antenna, handle"]),
     (["compare", "--objects", "cup.toml"], ["cup.toml does not exist"]),
-    (["compare", "--objects", "handle", "handle"], ["expected different names for --objects, got handle handle"]),
+    (["compare", "--objects", "handle", "handle"], ["expected different values for --objects, got handle handle"]),
     (["compare", "--methods", "mask"], ["unknown method 'mask'", "none, maskval, ", "package.module:Class"]),
-    (["compare", "--methods", "none", "none"], ["expected different names for --methods, got none none"]),
+    (["compare", "--methods", "none", "none"], ["expected different values for --methods, got none none"]),
     (["compare", "--experiments", "0"], ["--experiments of at least 1", "got 0"]),
     (["compare", "--experiments", "many"], ["error: --experiments: ", "'many'", "expected --experiments INT"]),
     (["run", "--u-grasp", "x"], ["error: --u-grasp: ", "'x'", "expected --u-grasp {None}|FLOAT"]),
@@ -92,7 +95,7 @@ def test_a_wrong_argument_ends_with_code_2_and_one_line_that_names_what_is_valid
 @pytest.mark.parametrize("encoding", ["utf-8", "ascii"])
 def test_the_line_is_the_same_on_every_terminal(encoding: str) -> None:
     for arguments, line in (
-        (["gap", "--seed", "1.5"], "--seed: invalid literal for int() with base 10: '1.5'; expected --seed INT"),
+        (["gap", "--seed", "1.5"], "--seed: expected a whole number such as 12, got '1.5'; expected --seed INT"),
         (["run", "--friction", "9"], "expected --friction within 0.05 and 3, got 9"),
         (["run", "--clutter", "x"], "invalid choice 'x' for argument '--clutter'. Expected one of"),
     ):

@@ -39,6 +39,7 @@ def test_compare_writes_table_manifest_and_all_logs(whole: Path) -> None:
         "run.json",
         "units",
         ".lock",
+        "config.toml",
         "manifest.json",
         "table.json",
         "table.csv",

@@ -72,8 +72,8 @@ def test_an_attempt_is_told_with_what_stopped_it(change: dict[str, Any], words: 
 
 
 def test_a_parts_time_is_told_with_what_became_of_it() -> None:
-    assert told(TimeSlot(1, 10.0, 19.5, Outcome.PLACED)) == ["  19.50 s  part 2: placed after 9.5 s"]
-    assert told(TimeSlot(0, 0.0, 20.0, None)) == ["  20.00 s  part 1: time-out after 20.0 s"]
+    assert told(TimeSlot(1, 10.0, 19.5, Outcome.PLACED)) == ["  19.50 s  time slot 1: placed after 9.5 s"]
+    assert told(TimeSlot(0, 0.0, 20.0, None)) == ["  20.00 s  time slot 0: time-out after 20.0 s"]
 
 
 @pytest.mark.parametrize(
@@ -105,8 +105,12 @@ def test_the_last_line_and_the_exit_code_say_what_came_of_it_and_the_logs_are_wr
     done = command(capsys, "run", "--object", "handle", "--experiment", 3, "--seed", 4, "--out", tmp_path)
     head, line, last = done.out.splitlines()
     assert head == "handle × maskval, experiment 3 of seed 4, noisy estimators"
-    assert line == "  20.00 s  part 1: time-out after 20.0 s"
+    assert line == "  20.00 s  time slot 0: time-out after 20.0 s"
     counts = "1 placed (TP), 2 failed (FP), 3 left on the belt (FN), 4 void, 5 unreachable, 6 time-outs, in 99.5 s"
     assert (done.code, last) == ((3, "failed: no room") if failed else (0, counts))
-    assert {path.name for path in tmp_path.iterdir()} == {"manifest.json", *(f"{name}.parquet" for name in SCHEMAS)}
+    assert {path.name for path in tmp_path.iterdir()} == {
+        "config.toml",
+        "manifest.json",
+        *(f"{name}.parquet" for name in SCHEMAS),
+    }
     assert '"seed": 4' in (tmp_path / "manifest.json").read_text()

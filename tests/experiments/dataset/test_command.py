@@ -114,6 +114,7 @@ def test_dataset_json_holds_the_contract_and_the_tables_name_the_paper(
     assert {path.name for path in tmp_path.iterdir()} == {
         "dataset.json",
         "thresholds.toml",
+        "config.toml",
         "manifest.json",
         "curves.png",
         "errors.png",

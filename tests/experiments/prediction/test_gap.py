@@ -6,7 +6,7 @@ import pytest
 from cell.records import Tally
 from experiments.errors import UsageError
 from experiments.prediction.gap_fit import CORE_SCALES, OUTLIER_ODDS, design, fit_gap
-from experiments.setup.error_models import error_model, load_ensemble, load_gaps
+from experiments.setup.error_models import error_model, error_model_of, load_ensemble, load_gaps
 from sim.networks.domain_gap import Gap
 from sim.networks.noise_model import load_noise
 
@@ -63,10 +63,28 @@ def test_a_gap_that_cannot_be_is_refused(value) -> None:
     ("text", "words"),
     [
         ("{", "malformed"),
+        ("[" * 5000, "malformed"),
         ('{"object": "antenna", "draws": []}', "of antenna, but the part is handle"),
         ('{"object": "handle", "draws": []}', "holds no draws"),
-        ('{"object": "handle", "draws": [{"core": 1}]}', "malformed: TypeError"),
-        ('{"object": "handle"}', "malformed: KeyError"),
+        (
+            '{"object": "handle", "draws": [{"core": 1}]}',
+            "malformed: expected draws\\[0\\] with core_scale and outlier_odds, got {.core.: 1}",
+        ),
+        ('{"object": "handle", "draws": [{}]}', "expected draws\\[0\\] with core_scale and outlier_odds, got {}"),
+        ('{"object": "handle", "draws": [3]}', "expected draws\\[0\\] with .* got 3"),
+        (
+            '{"object": "handle", "draws": [{"core_scale": true, "outlier_odds": 1}]}',
+            "core_scale to be a number, got True",
+        ),
+        (
+            '{"object": "handle", "draws": [{"core_scale": "2", "outlier_odds": 1}]}',
+            "core_scale to be a number, got .2",
+        ),
+        (
+            '{"object": "handle", "draws": [{"core_scale": 1, "outlier_odds": -1}]}',
+            "expected outlier_odds above 0, got -1",
+        ),
+        ('{"object": "handle"}', "malformed: the key .draws. is missing"),
     ],
 )
 def test_a_malformed_gap_file_is_refused_with_the_reason(tmp_path, text, words) -> None:
@@ -127,3 +145,11 @@ def test_draws_follow_the_probability_and_stay_on_the_grid() -> None:
     inside = np.mean([low <= one.outlier_odds <= high for one in draws])
     assert 0.93 < inside <= 1.0
     assert all(CORE_SCALES[0] <= one.core_scale <= CORE_SCALES[-1] * 1.0001 for one in draws)
+
+
+@pytest.mark.parametrize("draw", [{"core_scale": 1e9, "outlier_odds": 1}, {"core_scale": 1e300, "outlier_odds": 1e300}])
+def test_a_gap_that_no_error_model_can_have_is_refused_before_anything_runs(tmp_path, draw) -> None:
+    path = tmp_path / "gap.json"
+    path.write_text(json.dumps({"object": "handle", "draws": [{"core_scale": 1.5, "outlier_odds": 9}, draw]}))
+    with pytest.raises(UsageError, match=r"draws\[1\] leads to errors that cannot be: changed noise: "):
+        error_model_of("handle", str(path), 0)

@@ -78,7 +78,9 @@ def test_the_pictures_do_not_depend_on_the_number_of_workers(
         told = command(capsys, "render-dataset", "--images", 2, "--samples", 1, "--jobs", jobs, "--out", out)
         assert told.code == 0
         assert "2 pictures" in told.out
-        files = sorted(path for path in out.rglob("*") if path.is_file() and path.name != "manifest.json")
+        files = sorted(
+            path for path in out.rglob("*") if path.is_file() and path.name not in ("config.toml", "manifest.json")
+        )
         contents.append({path.relative_to(out): path.read_bytes() for path in files})
     assert len(contents[0]) >= 10
     assert contents[0] == contents[1]

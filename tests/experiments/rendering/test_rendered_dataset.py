@@ -65,7 +65,7 @@ def test_the_folder_is_whole(rendered: Rendered) -> None:
     assert len(parts) >= 2 * IMAGES
     masks = {f"test/000000/{kind}/{im:06d}_{i:06d}.png" for kind in ("mask", "mask_visib") for im, i, *_ in parts}
     models = {"models/obj_000001.ply", "models/models_info.json"}
-    others = {"camera.json", "manifest.json", "test_targets_bop19.json"}
+    others = {"camera.json", "config.toml", "manifest.json", "test_targets_bop19.json"}
     assert files == scene | images | masks | models | others
     for im in range(IMAGES):
         assert (rendered.rgb(im).shape, rendered.rgb(im).dtype) == ((480, 640, 3), np.uint8)

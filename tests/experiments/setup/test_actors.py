@@ -134,7 +134,10 @@ FAILING = {  # what is named, which kind of party, and why the experiment failed
         "--estimator",
         "EstimatorError: Garbling on frame 1: expected pose 0 to be a maskval.Pose, got ndarray",
     ),
-    "Doubting": ("--methods", "EstimatorError: Doubting on frame 1: expected 1 uncertainties in [0, 1], got [1.5]"),
+    "Doubting": (
+        "--methods",
+        "UncertaintyError: Doubting on frame 1: expected 1 uncertainties in [0, 1], got float64 [1.5]",
+    ),
     "Halting": ("--policy", "PolicyError: Halting on frame 1: raised RuntimeError: no idea"),
     "Stuck": ("--policy", "PolicyError: Stuck on frame 1: took longer than 1 s"),
     "Vague": ("--policy", "PolicyError: Vague on frame 1: expected a cell.interfaces.Decision, got str"),

@@ -24,6 +24,6 @@ def test_twenty_kills_at_random_moments_leave_no_trace(tmp_path: Path) -> None:
     assert ran(tmp_path / "whole", 0) == [0, 0]
     killed, whole = contents(tmp_path / "killed"), contents(tmp_path / "whole")
     assert (
-        len(whole) == EXPERIMENTS + len(SCHEMAS) + 6
-    )  # units, logs, run.json, manifest.json and the table in four forms
+        len(whole) == EXPERIMENTS + len(SCHEMAS) + 7
+    )  # units, logs, run.json, manifest.json, config.toml and the table in four forms
     assert killed == whole
