@@ -24,7 +24,6 @@ from experiments.commands.merge import Merge
 from experiments.commands.picture_config import Picture
 from experiments.commands.tolerance_config import Tolerance
 from experiments.commands.uq import Uq
-from experiments.commands.video_config import Video
 from experiments.dataset.config import Dataset
 from experiments.dataset.rules import Rules
 from experiments.errors import UsageError
@@ -36,6 +35,7 @@ from experiments.reading.config import Query
 from experiments.reading.plan import Plan
 from experiments.rendering.config import RenderDataset
 from experiments.setup.actors import Actors
+from experiments.video.config import Video
 from sim.model.conditions import Conditions
 
 _CLOSED_PIPE = 141  # the exit code that shells give a program that SIGPIPE ends
@@ -66,7 +66,7 @@ COMMANDS = {
     "export": Command(Export, "experiments.exporting.command:export"),
     "run": Command(Run, "experiments.commands.run:run"),
     "picture": Command(Picture, "experiments.commands.picture:picture"),
-    "video": Command(Video, "experiments.commands.video:video"),
+    "video": Command(Video, "experiments.video.command:video"),
     "tolerance": Command(Tolerance, "experiments.commands.tolerance:tolerance"),
     "dataset": Command(Dataset, "experiments.dataset.command:dataset", engine=False),
     "calibrate": Command(Calibrate, "experiments.calibration.command:calibrate", engine=False),

@@ -1,5 +1,7 @@
 """Pictures of a world as it stands; taking them changes nothing in it."""
 
+from typing import TypeAlias
+
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
@@ -9,11 +11,14 @@ from sim.runtime.world import World
 from sim.scenery.lighting import OVERVIEW
 from sim.scenery.model import build_scenery
 
+Scenery: TypeAlias = mujoco.MjModel  # as those who do not know MuJoCo name it
+
 SAMPLES = 4  # per pixel, of a picture that many are taken of
+SHADOWS = 2048  # px
 FINE_SAMPLES = 48  # of a picture to look at for long
 
 
-def scenery_of(world: World) -> mujoco.MjModel:
+def scenery_of(world: World) -> Scenery:
     """The model to take pictures of a world of: its joints are the world's.
 
     Raises:
@@ -33,15 +38,27 @@ class Pictures:
         height: of a picture, px.
         width: of a picture, px.
         samples: pictures that each is the mean of; more make shadows softer and edges smoother.
+        shadows: side of the map that shadows are looked up in, px; 0 for none, which halves the time.
+        scenery: the `scenery_of` the world, where there is one already.
 
     Raises:
         GraphicsError: there is no off-screen OpenGL.
         MeshesMissingError: the maker's meshes are asked for and not installed.
     """
 
-    def __init__(self, world: World, height: int, width: int, samples: int = SAMPLES) -> None:
+    def __init__(
+        self,
+        world: World,
+        height: int,
+        width: int,
+        samples: int = SAMPLES,
+        *,
+        shadows: int = SHADOWS,
+        scenery: Scenery | None = None,
+    ) -> None:
         self._world, self._samples = world, samples
-        self._mj_model = scenery_of(world)
+        self._mj_model = scenery_of(world) if scenery is None else scenery
+        self._mj_model.vis.quality.shadowsize = shadows  # read when the context is made
         self._data = mujoco.MjData(self._mj_model)
         self._renderer = Renderer(self._mj_model, height, width)
         self._renderer.rgb(self._data, OVERVIEW)  # the first frame's shadows may differ by a grey level

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 from cell.interfaces import Outcome
-from experiments.video.drawing import AMBER, GREEN, MASK, MODEL, RED, ascii_of, color_of
-from experiments.video.overlay import overlaid
+from experiments.observing.drawing import AMBER, GREEN, MASK, MODEL, RED, ascii_of, color_of
+from experiments.observing.overlay import overlaid
 from maskval import silhouette
 from sim.instance_ids import PIXEL_CENTER
 from tests.experiments.command import command
-from tests.experiments.video.test_take import SPEC, take
+from tests.experiments.observing.test_take import SPEC, take
 
 SHORT = ("--parts", 1, "--estimator", "oracle", "--samples", 1, "--speed-up", 20, "--frames-per-second", 4)
 
@@ -83,8 +83,10 @@ def test_an_attempt_that_never_was_names_those_that_were_and_leaves_no_file(
 
 def test_a_look_shows_mask_and_model_where_they_are() -> None:
     taken = take(SPEC)
-    decided = next(one for one in (status.decided for status in taken.history) if one and one.decision.detection == 0)
-    part, observation = taken.cell.world.part_model.part, decided.observation
+    decided = next(
+        one for one in (status.decided for status in taken.observer.history) if one and one.decision.detection == 0
+    )
+    part, observation = taken.part, decided.observation
     black = np.zeros((480, 640, 3), np.uint8)
     image = overlaid(black, decided, part)
     assert not black.any()

@@ -1,0 +1,26 @@
+"""viser's server, reached from this machine only."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from experiments.viewing.extras import load_viser
+
+HOST = "127.0.0.1"
+
+
+@contextmanager
+def serving(port: int = 0) -> Iterator[Any]:
+    """A server for the block, which is stopped at its end.
+
+    Args:
+        port: where it listens; the next free one where that is taken, any free one for 0.
+
+    Raises:
+        UsageError: viser is missing.
+    """
+    server = load_viser().ViserServer(host=HOST, port=port, verbose=False)
+    try:
+        yield server
+    finally:
+        server.stop()
