@@ -38,14 +38,15 @@ def headline(status: Status, time: float, parts: int) -> str:
     if status.decided is not None:
         told.append(in_words(status.decided))
     ended = just_ended(status, time)
-    return " | ".join(told if ended is None else [*told, ended.upper()])
+    return " | ".join(told if ended is None else [*told, ended[0].upper()])
 
 
-def just_ended(status: Status, time: float) -> str | None:
-    """The outcome of an attempt that ended a moment ago, with the force that stopped it; or that time is up."""
+def just_ended(status: Status, time: float) -> tuple[str, Outcome | None] | None:
+    """What ended a moment ago, in words with the force that stopped it, and its outcome; None of a time-out."""
     attempt = status.attempt
     if attempt is not None and time - attempt.end <= SHOWN_FOR:
-        return f"{attempt.outcome}, {attempt.contact.force:.0f} N" if attempt.contact else f"{attempt.outcome}"
+        force = f", {attempt.contact.force:.0f} N" if attempt.contact else ""
+        return f"{attempt.outcome}{force}", attempt.outcome
     if status.timed_out is not None and time - status.timed_out <= SHOWN_FOR:
-        return TIME_OUT
+        return TIME_OUT, None
     return None

@@ -10,3 +10,4 @@ METHOD_NAMES = (
 )  # the keys of experiments.setup.methods.METHODS
 POLICY_NAMES = ("always", "best-of-view", "threshold", "patient", "next-best-view", "fuse")  # of policies.POLICIES
 OWN = "or your own as package.module:Class"
+VIEWS = WINDOW, WEB = "window", "web"  # where `graspcell run --view` shows an experiment

@@ -141,6 +141,5 @@ class Tile:
             write(image, str(slot + 1), place, height=0.5 * side, color=WHITE, width=side)
         ended = just_ended(status, time)
         if ended is not None:
-            is_attempt = status.attempt is not None and ended.startswith(str(status.attempt.outcome))
-            ground = color_of(status.attempt.outcome if is_attempt and status.attempt else None)
-            label(image, ended, (pad, bar + pad), height=0.032 * height, color=WHITE, ground=ground)
+            words, outcome = ended
+            label(image, words, (pad, bar + pad), height=0.032 * height, color=WHITE, ground=color_of(outcome))

@@ -1,7 +1,8 @@
 """viser's server, reached from this machine only."""
 
+import io
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, redirect_stdout
 from typing import Any
 
 from experiments.viewing.extras import load_viser
@@ -23,4 +24,5 @@ def serving(port: int = 0) -> Iterator[Any]:
     try:
         yield server
     finally:
-        server.stop()
+        with redirect_stdout(io.StringIO()):  # it says that it stops
+            server.stop()
