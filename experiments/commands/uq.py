@@ -11,6 +11,7 @@ from typing import Literal
 import numpy as np
 
 from experiments.errors import UsageError
+from experiments.progress import saying
 from maskval import UNMATCHED, InexactRotationWarning, MaskvalError, Summary, bop, summarise
 from maskval.input_files import MOST_RESULTS, check_input
 
@@ -60,7 +61,7 @@ def uq(config: Uq) -> int:
         UsageError: an invalid argument or file.
     """
     _check(config)
-    with warnings.catch_warnings(record=True) as told:
+    with warnings.catch_warnings(record=True) as told, saying("judge the poses"):
         warnings.simplefilter("always", InexactRotationWarning)
         judged, summary = _judge(config)
     for warning in told:

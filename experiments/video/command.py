@@ -13,7 +13,7 @@ from experiments.viewing.extras import load_rerun, load_viser
 from experiments.viewing.recording import write_recording
 from experiments.viewing.replay import write_replay
 
-_OPENED_WITH = {".mp4": "a player or a browser", ".html": "a browser", ".rrd": "rerun FILE (pip install rerun-sdk)"}
+_OPENED_WITH = {".mp4": "a player or a browser", ".html": "a browser", ".rrd": "rerun, which the extra has installed"}
 
 
 def video(config: Video) -> int:

@@ -57,7 +57,7 @@ class Video(CellOptions):
     frames_per_second: int = 12
     """Of the video, 1 to 60."""
     height: int | None = None
-    """Of an overview, pixels, 120 to 1080; by default 480, less for several experiments."""
+    """Of an overview, pixels, a multiple of 12 from 120 to 1080; by default 480, less for several experiments."""
     samples: int = 1
     """Pictures that each frame is the mean of, 1 to 64: more make edges smooth and shadows soft, and take longer."""
     out: Path = Path("out/video.mp4")
@@ -113,8 +113,8 @@ class Video(CellOptions):
             value = getattr(self, name)
             if value is not None and not (math.isfinite(value) and least <= value <= most):
                 raise UsageError(f"expected --{name.replace('_', '-')} within {least:g} and {most:g}, got {value:g}")
-        if self.height is not None and self.height % 4:
-            raise UsageError(f"expected --height of a multiple of 4 pixels, got {self.height}")
+        if self.height is not None and self.height % 12:
+            raise UsageError(f"expected --height of a multiple of 12 pixels, got {self.height}")
         if self.out.suffix not in (VIDEO, REPLAY, RECORDING):
             raise UsageError(f"expected --out to end in {VIDEO}, {REPLAY} or {RECORDING}, got {self.out}")
         return VideoSettings(self.attempt, self.speed_up, self.frames_per_second, self.samples, self.height)

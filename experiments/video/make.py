@@ -16,7 +16,7 @@ from experiments.video.mp4 import load_av, mp4
 from experiments.video.shots import Shot
 from experiments.video.tile import Tile
 
-_HEIGHTS = {1: 480, 2: 400}  # px of an overview, by the number of experiments; `_LEAST` for more
+_HEIGHTS = {1: 480, 2: 384}  # px of an overview, by the number of experiments; `_LEAST` for more
 _LEAST = 360
 _LAST = 1.0  # s of the video that its last picture stays
 

@@ -43,7 +43,7 @@ class Tile:
 
     Args:
         taken: the experiment.
-        height: of the overview, px, a multiple of 4; the tile is twice as wide, and higher by its bar.
+        height: of the overview, px, a multiple of 12; the tile is twice as wide, and higher by its bar.
         samples: per pixel; with 1, shadows are coarse, and the wrist camera's picture has none.
 
     Raises:

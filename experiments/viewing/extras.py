@@ -21,7 +21,9 @@ def load_rerun() -> Any:
     Raises:
         UsageError: it is not installed.
     """
-    return _load("rerun", "recordings need rerun-sdk", "rerun")
+    rerun = _load("rerun", "recordings need rerun-sdk", "rerun")
+    rerun.set_strict_mode(True)  # what cannot be logged is an error, not a warning
+    return rerun
 
 
 def _load(module: str, what: str, extra: str) -> Any:

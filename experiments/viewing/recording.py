@@ -1,7 +1,9 @@
 """An experiment as a file for the Rerun viewer: bodies, camera, pictures, masks, poses, u and decisions over time."""
 
+import shutil
 from contextlib import closing
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -37,13 +39,15 @@ def write_recording(taken: Take, path: Path, *, span: tuple[float, float], inter
     """
     rerun = load_rerun()
     stream = rerun.RecordingStream("graspcell", recording_id=path.stem)
-    with replacing(path) as file, closing(Looks(taken.world)) as looks:
-        stream.save(file.name)
-        try:
+    with TemporaryDirectory() as folder:
+        made = Path(folder) / "made.rrd"
+        stream.save(made)
+        with closing(Looks(taken.world)) as looks:
             _Recording(rerun, stream, taken, span).write(looks, interval)
-        finally:
-            stream.flush()
-            stream.disconnect()
+        stream.flush()
+        stream.disconnect()
+        with replacing(path) as file, made.open("rb") as content:
+            shutil.copyfileobj(content, file)
 
 
 class _Recording:

@@ -20,9 +20,11 @@ def serving(port: int = 0) -> Iterator[Any]:
     Raises:
         UsageError: viser is missing.
     """
-    server = load_viser().ViserServer(host=HOST, port=port, verbose=False)
+    viser = load_viser()
+    with redirect_stdout(io.StringIO()):  # it says that it begins, and that it stops
+        server = viser.ViserServer(host=HOST, port=port, verbose=False)
     try:
         yield server
     finally:
-        with redirect_stdout(io.StringIO()):  # it says that it stops
+        with redirect_stdout(io.StringIO()):
             server.stop()

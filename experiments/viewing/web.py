@@ -42,7 +42,8 @@ class WebView:
         self._goes_on, self._stops_at_decision = threading.Event(), threading.Event()
         self._goes_on.set()
         self._shown_at, self._pictured_at = -1.0, -1.0
-        server.gui.configure_theme(show_logo=False, show_share_button=False, control_layout="collapsible")
+        server.gui.configure_theme(show_logo=False, show_share_button=False)
+        server.gui.main_panel.dock_right()
         self._words = server.gui.add_markdown("")
         self._pause = server.gui.add_button("Pause")
         self._step = server.gui.add_button("To the next decision")
