@@ -15,6 +15,7 @@ from sim.runtime.world import World
 from sim.scenery.lighting import EYE, TARGET
 
 _FRUSTUM = 0.12  # m: how far in front of the camera its picture is drawn
+_FIELD = 0.75  # rad: what a browser shows from top to bottom
 _MOVED = 1e-4  # m, and of a quaternion: below it nothing is sent
 
 
@@ -37,7 +38,7 @@ class Scene:
         self._look: Any = None
         self._estimates: list[Any] = []
         server.initial_camera.position, server.initial_camera.look_at = EYE, TARGET
-        server.initial_camera.up = (0.0, 0.0, 1.0)
+        server.initial_camera.up, server.initial_camera.fov = (0.0, 0.0, 1.0), _FIELD
         self._scene.set_up_direction("+z")
         self._add_bodies()
         camera = world.layout.camera

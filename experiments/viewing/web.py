@@ -51,6 +51,8 @@ class WebView:
         self._look = server.gui.add_image(wrist.rgb("wrist"), label="newest look: mask, model at the estimated pose, u")
         self._pause.on_click(lambda _: self.go_on() if self.is_paused else self.pause())
         self._step.on_click(lambda _: self.step())
+        self._draw()  # a browser that comes early sees the cell, not its bodies in one heap
+        self._shown_at = self._pictured_at = -1.0
 
     @property
     def address(self) -> str:
