@@ -24,7 +24,6 @@ from experiments.commands.doctor import Doctor
 from experiments.commands.merge import Merge
 from experiments.commands.picture_config import Picture
 from experiments.commands.tolerance_config import Tolerance
-from experiments.commands.video_config import Video
 from experiments.dataset.config import Dataset
 from experiments.dataset.rules import Rules
 from experiments.errors import UsageError
@@ -40,6 +39,7 @@ from experiments.reporting.config import Report
 from experiments.setup.actors import Actors
 from experiments.setup.options_file import OPTION, with_options_file
 from experiments.uq.config import Uq
+from experiments.video.config import Video
 from maskval.spelling import nearest
 from sim.model.conditions import Conditions
 
@@ -73,7 +73,7 @@ COMMANDS = {
     "export": Command(Export, "experiments.exporting.command:export"),
     "run": Command(Run, "experiments.commands.run:run"),
     "picture": Command(Picture, "experiments.commands.picture:picture"),
-    "video": Command(Video, "experiments.commands.video:video"),
+    "video": Command(Video, "experiments.video.command:video"),
     "tolerance": Command(Tolerance, "experiments.commands.tolerance:tolerance"),
     "dataset": Command(Dataset, "experiments.dataset.command:dataset", engine=False),
     "calibrate": Command(Calibrate, "experiments.calibration.command:calibrate", engine=False),

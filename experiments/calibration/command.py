@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from tqdm import tqdm
 
 from experiments.calibration.config import Calibrate
 from experiments.calibration.fit import Fit, fit
@@ -15,6 +14,7 @@ from experiments.calibration.images import ErrorModelTrial, ImageSet, run_trial
 from experiments.calibration.noise_file import rewrite
 from experiments.calibration.report import Fitted, Member, as_json, format_report
 from experiments.calibration.targets import GROUPS, Calibration, FitTarget, Prior, load_calibration, values_at
+from experiments.progress import bar
 from experiments.results.files import write_text
 from experiments.results.provenance import write_json
 from experiments.setup.checks import writable_folder
@@ -44,7 +44,7 @@ def calibrate(config: Calibrate) -> int:
     start = config.start or model.noise
     noise = load_noise(start)
     calibration = load_calibration(config.targets or model.part.name, noise)
-    with workers(config.workers) as run, tqdm(unit="trial", dynamic_ncols=True) as progress:
+    with workers(config.workers) as run, bar("trial") as progress:
         bench = _Bench(run, ImageSet(config.part, config.seed, config.images), progress)
         fitted = _fit(bench, calibration, noise, config)
     write_text(folder / "noise.toml", rewrite(noise_text(start), fitted.lines()))

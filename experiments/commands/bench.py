@@ -12,6 +12,7 @@ from typing import Any
 
 from experiments.commands.bench_config import Bench
 from experiments.errors import UsageError
+from experiments.progress import counted, saying
 from experiments.setup.experiment import ExperimentSpec, kept_cell, run_experiment
 from experiments.setup.pool import workers
 from sim.networks.random_streams import Streams
@@ -47,19 +48,22 @@ def bench(config: Bench) -> int:
     """
     groups = config.specs()
     first = next(iter(groups.values()))
-    for specs in groups.values():
+    for specs in counted(list(groups.values()), "part", "build and compile"):
         run_experiment(specs[0])  # builds the cell, and compiles what is not cached
     print(f"Process time on one core, medians of {len(first)} experiments of {first[0].parts} parts, {config.method}.")
     for part, specs in groups.items():
-        costs = [cost(spec) for spec in specs]
+        costs = [cost(spec) for spec in counted(specs, "experiment", part)]
         speed = statistics.median(one.simulated / one.worked for one in costs)
         ratio = statistics.median(one.worked / one.replayed for one in costs)
         print(f"\n{part}: {speed:.1f} × real time; {ratio:.2f} × the bare physics of the same commands")
-        for stage, share in shares(specs).items():
+        with saying(f"{part}: time the stages of {len(specs)} experiments"):
+            found = shares(specs)
+        for stage, share in found.items():
             print(f"    {100 * share:5.1f} %  {stage}")
     print(f"\nmemory of this process {memory(resource.RUSAGE_SELF)} MB")
     if config.jobs > 1:
-        gain = scaling([spec for specs in groups.values() for spec in specs], config.jobs)
+        with saying(f"time {config.jobs} processes beside one"):
+            gain = scaling([spec for specs in groups.values() for spec in specs], config.jobs)
         each = memory(resource.RUSAGE_CHILDREN)
         print(f"{config.jobs} processes do {gain:.2f} × the experiments of one, with {each} MB each")
     return 0

@@ -13,8 +13,8 @@ import tyro
 from cell.motion_limits import PRESETS
 from experiments.errors import UsageError
 from experiments.setup.actors import Actors
-from experiments.setup.checks import all_at_least, check_cell, check_part_and_method, worker_count
-from experiments.setup.names import METHOD_NAMES, OWN, POLICY_NAMES
+from experiments.setup.checks import all_at_least, check_cell, check_part_and_method, one_of, worker_count
+from experiments.setup.names import METHOD_NAMES, OWN, POLICY_NAMES, VIEWS
 from sim.model.conditions import Conditions
 
 if TYPE_CHECKING:
@@ -177,8 +177,33 @@ class Run(CellOptions):
     """Number of the experiment."""
     u_grasp: float | None = None
     """Grasping threshold of your own; takes precedence over --thresholds."""
+    view: Annotated[
+        tuple[str, ...] | None,
+        tyro.conf.arg(
+            metavar="[{window,web}]",
+            help="Watch it in real time: in MuJoCo's window, which needs a display; or web, in a browser on this "
+            "machine, with pictures, estimated poses, u, pause and step (extra view).",
+        ),
+    ] = None
+    rerun: Path | None = None
+    """A recording for the Rerun viewer, .rrd (extra rerun)."""
     out: Path | None = None
     """Folder for the logs; none are written without it."""
+
+    @property
+    def where(self) -> str | None:
+        """Where it is to be watched; None for nowhere.
+
+        Raises:
+            UsageError: there is no such place.
+        """
+        if self.view is None:
+            return None
+        if len(self.view) > 1:
+            raise UsageError(f"expected --view, --view window or --view web, got {' '.join(self.view)}")
+        where = self.view[0] if self.view else VIEWS[0]
+        one_of("--view", where, VIEWS)
+        return where
 
     def spec(self) -> "ExperimentSpec":
         """The experiment.
@@ -196,4 +221,6 @@ class Run(CellOptions):
         self._check((self.object,), (self.method,), (self.policy,), thresholds)
         if self.out is not None:
             check_not_recorded(self.out, self.actors.recorded)
+        if self.rerun is not None and self.rerun.suffix != ".rrd":
+            raise UsageError(f"expected --rerun to end in .rrd, got {self.rerun}")
         return self._spec(self.object, self.method, self.policy, thresholds, self.experiment)

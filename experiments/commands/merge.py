@@ -31,6 +31,7 @@ def merge(config: Merge) -> int:
         UsageError: a folder holds no run, or runs of different kinds, or two results of one experiment.
     """
     from experiments.commands.compare import report  # noqa: PLC0415  # loads the engine
+    from experiments.progress import counted  # noqa: PLC0415
     from experiments.units.run_folder import RunFolder  # noqa: PLC0415
 
     if not config.folders:
@@ -42,6 +43,6 @@ def merge(config: Merge) -> int:
         for shard in shards:
             folder.ask(shard.asked, shard.options)
         for shard in shards:
-            for place, ok, packed in shard.files():
+            for place, ok, packed in counted(shard.files(), "experiment", f"join {shard.path}"):
                 folder.add(place, packed, ok=ok)
         return report(folder, None)

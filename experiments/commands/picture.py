@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from cell.records import TimeSlot, Transition
 from experiments.commands.picture_config import Picture
 from experiments.errors import UsageError
+from experiments.progress import saying
 from experiments.results.files import replacing
 from experiments.setup.checks import writable_folder
 from experiments.setup.experiment import run_experiment
@@ -46,7 +47,8 @@ def picture(config: Picture) -> int:
             raise _Taken(pictures.rgb(config.camera))
 
     try:
-        run_experiment(spec, tell, cell)
+        with saying(f"run up to {config.state} after {config.after} parts"):
+            run_experiment(spec, tell, cell)
     except _Taken as taken:
         _write(config.out, taken.image)
         print(f"picture in {config.out}")

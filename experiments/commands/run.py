@@ -10,6 +10,7 @@ from experiments.results.store import LogWriter
 from experiments.setup.checks import FAILED, writable_folder
 from experiments.setup.experiment import run_experiment
 from experiments.setup.options_file import write_manifest
+from experiments.viewing.watch import watched
 from maskval import mdd
 from sim.model.parts import load_part
 from sim.networks.ground_truth import LatestTruth
@@ -25,14 +26,19 @@ def run(config: Run) -> int:
     """
     spec = config.spec()
     folder = None if config.out is None else writable_folder(config.out)
+    if config.rerun is not None:
+        writable_folder(config.rerun.parent)
     mesh = load_part(spec.part).part.mesh
 
-    def tell(record: object, latest_truth: LatestTruth) -> None:
-        for line in lines(record, latest_truth, mesh.vertices):
-            print(line, flush=True)
-
     print(f"{spec.part} × {spec.method}, experiment {spec.experiment} of seed {spec.seed}, {spec.estimator} estimators")
-    result = run_experiment(spec, tell)
+    with watched(spec, config.where, config.rerun, lambda line: print(line, flush=True)) as shown:
+
+        def tell(record: object, latest_truth: LatestTruth) -> None:
+            for line in lines(record, latest_truth, mesh.vertices):
+                print(line, flush=True)
+            shown(record, latest_truth)
+
+        result = run_experiment(spec, tell)
     if folder is not None:
         with LogWriter(folder) as logs:
             logs.write(result.tables)

@@ -4,12 +4,11 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from tqdm import tqdm
-
 from cell.errors import CellError
 from cell.interfaces import Outcome
 from cell.records import AttemptRecord
 from experiments.commands.tolerance_config import Tolerance
+from experiments.progress import counted
 from experiments.results.provenance import write_json
 from experiments.results.tolerance_curve import CurvePoint, format_curve
 from experiments.setup.checks import writable_folder
@@ -41,9 +40,7 @@ def tolerance(config: Tolerance) -> int:
     """
     trials = [Trial(spec, mdd_mm) for part in config.objects for mdd_mm in config.mdd_mm for spec in config.specs(part)]
     folder = writable_folder(config.out)
-    outcomes = list(
-        tqdm(run_all(run_trial, trials, config.workers), total=len(trials), unit="trial", dynamic_ncols=True)
-    )
+    outcomes = list(counted(run_all(run_trial, trials, config.workers), "trial", total=len(trials)))
     levels = summarise(trials, outcomes)
     write_json(folder / "tolerance.json", {"levels": levels})
     write_manifest(folder, "tolerance", config, seed=config.seed)

@@ -3,8 +3,6 @@
 from collections.abc import Iterator
 from contextlib import closing
 
-from tqdm import tqdm
-
 from experiments.dataset.batch import BatchTask, Judged, run_batch
 from experiments.dataset.coco import Matches
 from experiments.dataset.config import Dataset
@@ -12,6 +10,7 @@ from experiments.dataset.metrics import Figures
 from experiments.dataset.report import format_alternatives, format_tables
 from experiments.dataset.score import Scored, alternatives, score
 from experiments.dataset.thresholds import thresholds_toml
+from experiments.progress import bar
 from experiments.results.files import write_text
 from experiments.results.provenance import write_json
 from experiments.setup.checks import writable_folder
@@ -61,7 +60,7 @@ def _judged_sets(config: Dataset) -> Iterator[tuple[str, Judged, Matches]]:
         for batch in batches
     ]
     with (
-        tqdm(total=len(config.objects) * config.images, unit="image", dynamic_ncols=True) as progress,
+        bar("image", total=len(config.objects) * config.images) as progress,
         closing(run_all(run_batch, tasks, config.workers)) as stream,
     ):
         for part in config.objects:

@@ -1,17 +1,12 @@
 """`graspcell export`: a run in a format of others."""
 
-from collections.abc import Iterator
-
-from tqdm import tqdm
-
 from experiments.exporting.bop import export_bop
 from experiments.exporting.config import Export
 from experiments.exporting.lerobot import export_lerobot
+from experiments.progress import counted
 from experiments.reading.resimulation import Choice, finished
 from experiments.results.provenance import manifest, write_json
-from experiments.setup.experiment import ExperimentSpec
 from experiments.units.run_folder import RunFolder
-from experiments.units.unit import Unit
 
 
 def export(config: Export) -> int:
@@ -25,7 +20,7 @@ def export(config: Export) -> int:
     choice = Choice(config.objects, config.methods, config.policies, config.experiments)
     specs, pairs = finished(run, choice)
     out = config.out
-    shown = _shown(pairs, len(specs))
+    shown = counted(pairs, "experiment", total=len(specs))
     if config.bop is not None:
         told = export_bop(out, specs, shown, rgb=config.rgb, depth=config.depth)
     else:
@@ -33,8 +28,3 @@ def export(config: Export) -> int:
     write_json(out / "manifest.json", manifest(config))
     print(f"{told} in {out}")
     return 0
-
-
-def _shown(pairs: Iterator[tuple[ExperimentSpec, Unit]], total: int) -> Iterator[tuple[ExperimentSpec, Unit]]:
-    """The same, with a progress bar."""
-    return iter(tqdm(pairs, total=total, unit="experiment", dynamic_ncols=True))

@@ -3,8 +3,6 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from tqdm import tqdm
-
 from cell.layout import Layout
 from experiments.errors import UsageError
 from experiments.part.config import MakePart
@@ -14,6 +12,7 @@ from experiments.part.noise import scaled_noise
 from experiments.part.report import check_lines, next_lines, report_lines
 from experiments.part.search import GraspSearch
 from experiments.part.trials import Tried, try_grasps
+from experiments.progress import counted
 from experiments.results.files import write_text
 from experiments.setup.checks import FAILED, writable_folder
 from experiments.setup.options_file import write_manifest
@@ -84,8 +83,7 @@ def _tried(config: MakePart, folder: Path, draft: Draft, search: GraspSearch) ->
         path = write_part(folder, draft, [])
         uses = [(number, pose) for number, one in enumerate(draft.chosen) for pose in one.poses]
         outcomes = try_grasps(str(path), uses, slots=slots, trials=config.trials, seed=config.seed, jobs=config.workers)
-        progress = tqdm(outcomes, total=len(uses), unit="grasp", dynamic_ncols=True)
-        tried = list(progress)
+        tried = list(counted(outcomes, "grasp", total=len(uses)))
         failed = [(draft.chosen[one.grasp], one.pose) for one in tried if one.held < HOLDS * one.trials]
         better = search.without(failed) if failed and left else None
         if better is None:

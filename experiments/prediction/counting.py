@@ -1,14 +1,12 @@
 """Many experiments of which only the counts matter: no logs, one worker pool, results in the order of the specs."""
 
-import sys
 from collections.abc import Sequence
 from contextlib import closing
 from dataclasses import dataclass
 
-from tqdm import tqdm
-
 from cell.records import Tally
 from experiments.errors import ExperimentsFailedError
+from experiments.progress import bar
 from experiments.results.first_attempts import FirstAttempts
 from experiments.setup.experiment import ExperimentSpec, run_experiment
 from experiments.setup.pool import run_all
@@ -31,7 +29,7 @@ def count_all(specs: Sequence[ExperimentSpec], jobs: int, description: str) -> l
     """
     counts = []
     with (
-        tqdm(total=len(specs), unit="experiment", desc=description, dynamic_ncols=True, file=sys.stderr) as progress,
+        bar("experiment", description, total=len(specs)) as progress,
         closing(run_all(count, specs, jobs)) as stream,
     ):
         for spec, (counted, first, failure) in zip(specs, stream, strict=True):

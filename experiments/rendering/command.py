@@ -8,9 +8,8 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-from tqdm import tqdm
-
 from cell.layout import default_camera
+from experiments.progress import bar
 from experiments.rendering.config import IMAGES_PER_SCENE, RenderDataset
 from experiments.rendering.files import OBJECT, Labels, targets, write_models, write_picture, write_scene
 from experiments.setup.options_file import write_manifest
@@ -87,7 +86,7 @@ def _scenes(config: RenderDataset) -> Iterator[tuple[int, dict[int, Labels]]]:
     tasks = [RenderTask(config, batch) for batch in config.batches]
     labels: dict[int, Labels] = {}
     with (
-        tqdm(total=config.images, unit="image", dynamic_ncols=True) as progress,
+        bar("image", total=config.images) as progress,
         closing(run_all(render_batch, tasks, config.workers)) as stream,
     ):
         for task, batch in zip(tasks, stream, strict=True):

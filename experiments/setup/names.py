@@ -10,6 +10,7 @@ METHOD_NAMES = (
 )  # the keys of experiments.setup.methods.METHODS
 POLICY_NAMES = ("always", "best-of-view", "threshold", "patient", "next-best-view", "fuse")  # of policies.POLICIES
 OWN = "or your own as package.module:Class"
+VIEWS = WINDOW, WEB = "window", "web"  # where `graspcell run --view` shows an experiment
 
 _SINGULAR = {"--objects": "--object", "--methods": "--method", "--policies": "--policy"}
 NAMES_IN_BOTH_NUMBERS = {*_SINGULAR, *_SINGULAR.values()}  # every command takes both, as it has one of them

@@ -1,13 +1,11 @@
 """Runs the experiments of a folder that have not ended yet, wherever that may be, and keeps each as it ends."""
 
-import sys
 from collections.abc import Callable, Generator, Iterable, Sequence
 from contextlib import closing
 from dataclasses import dataclass
 
-from tqdm import tqdm
-
 from experiments.errors import UsageError
+from experiments.progress import bar
 from experiments.setup.experiment import ExperimentSpec
 from experiments.setup.pool import Died, completed
 from experiments.units.identity import describe
@@ -67,15 +65,16 @@ def execute(
         SimError: the cell cannot be set up.
         UsageError: a unit cannot be written.
     """
-    deaths = 0
-    with _progress(total, total - len(specs)) as progress, closing(executor(specs)) as stream:
+    deaths, kept = 0, total - len(specs)
+    with bar("experiment", total=total, done=total - len(specs)) as progress, closing(executor(specs)) as stream:
         try:
             for spec, ran in stream:
                 deaths = deaths + 1 if isinstance(ran, Died) else 0
                 if deaths == _MOST_DEATHS:
                     return Ended(f"{deaths} worker processes died one after the other (out of memory?); ended", 1)
                 place, ok, packed = _died(spec, ran.times) if isinstance(ran, Died) else ran
-                _add(folder, place, packed, ok=ok, kept=f"{progress.n} of {total}")
+                _add(folder, place, packed, ok=ok, kept=f"{kept} of {total}")
+                kept += 1
                 progress.set_postfix_str(f"{spec.part} × {spec.method}", refresh=False)
                 progress.update()
                 if enough is not None and enough(Unit.from_bytes(packed, place)):
@@ -98,7 +97,3 @@ def _add(folder: RunFolder, place: str, packed: bytes, *, ok: bool, kept: str) -
 def _died(spec: ExperimentSpec, times: int) -> Ran:
     unit = failed_unit(spec, f"its worker process died {times} times (out of memory, or killed by what it called)")
     return unit.place, False, unit.to_bytes()
-
-
-def _progress(total: int, done: int) -> "tqdm[None]":
-    return tqdm(total=total, initial=done, unit="experiment", dynamic_ncols=True, file=sys.stderr)

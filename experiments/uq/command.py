@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-from tqdm import tqdm
 
 from experiments.errors import UsageError
+from experiments.progress import bar
 from experiments.results.files import write_text
 from experiments.setup.checks import FAILED, writable_folder
 from experiments.uq.config import Uq
@@ -65,12 +65,11 @@ def _judge(config: Uq) -> tuple[list[bop.JudgedPose], Summary | None, list[str]]
 def _with_progress(
     config: Uq, dataset: bop.Dataset, results: Sequence[bop.PoseResult], masks: bop.MaskSource
 ) -> list[bop.JudgedPose]:
-    with tqdm(total=len(results), unit="pose", disable=None, leave=False, dynamic_ncols=True) as bar:
-        bar.set_description("loading; compiling at the first use takes some 20 s")
+    with bar("pose", "loading; compiling at the first use takes some 20 s", len(results)) as shown:
 
         def advance(count: int) -> None:
-            bar.set_description("judging")
-            bar.update(count)
+            shown.set_description("judging")
+            shown.update(count)
 
         return bop.judge_results(
             dataset,
@@ -89,14 +88,14 @@ def _summary(config: Uq, dataset: bop.Dataset, judged: Sequence[bop.JudgedPose])
     if not dataset.targets():
         return None
     evaluation = bop.evaluate_poses(dataset, judged, error=config.error)
-    with tqdm(total=config.resamples, unit="sample", disable=None, leave=False, desc="intervals") as bar:
+    with bar("sample", "intervals", config.resamples) as shown:
         return summarise(
             evaluation,
             config.error_threshold_mm * 1e-3,
             demanded_ap=config.demanded_ap,
             rng=np.random.default_rng(np.random.SeedSequence((config.seed,))),
             resamples=config.resamples,
-            progress=bar.update,
+            progress=shown.update,
         )
 
 

@@ -8,8 +8,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from experiments.observing.drawing import DARK, GREEN, GREY, MASK, MODEL, WHITE, Color, Image, outline, tint, write
 from experiments.results.files import replacing
-from experiments.video.drawing import DARK, GREEN, GREY, MASK, MODEL, WHITE, Color, Image, outline, tint, write
 from maskval import UNMATCHED, Camera, PackedMasks, bop, silhouette, silhouette_boxes
 
 T = TypeVar("T", np.bool_, np.uint8)

@@ -6,17 +6,18 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from tqdm import tqdm
 
 from experiments.errors import UsageError
-from experiments.setup.experiment import ExperimentResult, ExperimentSpec
-from experiments.video.drawing import DARK, Image
+from experiments.observing.drawing import DARK, Image
+from experiments.observing.take import Take
+from experiments.progress import counted
+from experiments.setup.experiment import ExperimentResult
 from experiments.video.mp4 import load_av, mp4
-from experiments.video.take import Take, take
+from experiments.video.shots import Shot
 from experiments.video.tile import Tile
 
-_HEIGHTS = {1: 720, 2: 600}  # px of an overview, by the number of experiments; `_LEAST` for more
-_LEAST = 480
+_HEIGHTS = {1: 480, 2: 384}  # px of an overview, by the number of experiments; `_LEAST` for more
+_LEAST = 360
 _LAST = 1.0  # s of the video that its last picture stays
 
 
@@ -29,21 +30,23 @@ class VideoSettings:
         speed_up: s of the cell's clock per s of the video.
         frames_per_second: of the video.
         samples: per pixel.
+        height: of an overview, px; by default less, the more experiments there are.
     """
 
     attempt: int | None = None
     speed_up: float = 1.0
-    frames_per_second: int = 20
-    samples: int = 2
+    frames_per_second: int = 12
+    samples: int = 1
+    height: int | None = None
 
 
-def make_video(specs: Sequence[ExperimentSpec], path: Path, settings: VideoSettings) -> list[ExperimentResult]:
+def make_video(shots: Sequence[Shot], path: Path, settings: VideoSettings) -> list[ExperimentResult]:
     """Runs the experiments again and writes a video of them; returns what they came to.
 
     Each experiment begins with the video. With `settings.attempt`, each begins with the look that led to its attempt.
 
     Args:
-        specs: what to show, one tile each.
+        shots: what to show, one tile each.
         path: the MP4 file.
         settings: how.
 
@@ -52,11 +55,11 @@ def make_video(specs: Sequence[ExperimentSpec], path: Path, settings: VideoSetti
         SimError: the cell cannot be set up, or there is no off-screen OpenGL.
     """
     load_av()  # before an experiment has been run in vain
-    takes = [take(spec) for spec in tqdm(specs, unit="experiment", desc="run again", disable=None, leave=False)]
-    spans = [_span(taken, spec, settings.attempt) for taken, spec in zip(takes, specs, strict=True)]
-    columns = 1 if len(specs) <= 2 else math.ceil(math.sqrt(len(specs)))
-    rows = math.ceil(len(specs) / columns)
-    height = _HEIGHTS.get(len(specs), _LEAST)
+    takes = [shot.take() for shot in counted(shots, "experiment", "run again")]
+    spans = [span(taken, settings.attempt) for taken in takes]
+    columns = 1 if len(shots) <= 2 else math.ceil(math.sqrt(len(shots)))
+    rows = math.ceil(len(shots) / columns)
+    height = settings.height or _HEIGHTS.get(len(shots), _LEAST)
     tiles = [Tile(taken, height, settings.samples) for taken in takes]
     try:
         _write(tiles, spans, (rows, columns), path, settings)
@@ -66,10 +69,16 @@ def make_video(specs: Sequence[ExperimentSpec], path: Path, settings: VideoSetti
     return [taken.result for taken in takes if taken.result is not None]
 
 
-def _span(taken: Take, spec: ExperimentSpec, attempt: int | None) -> tuple[float, float]:
+def span(taken: Take, attempt: int | None) -> tuple[float, float]:
+    """Begin and end of what is to be shown, s.
+
+    Raises:
+        UsageError: there was no attempt of this number.
+    """
     try:
         return taken.span(attempt)
     except LookupError as error:
+        spec = taken.spec
         raise UsageError(
             f"expected --attempt {error} for {spec.part} × {spec.method}, experiment {spec.experiment}, got {attempt}"
         ) from None
@@ -89,7 +98,7 @@ def _write(
     size = grid[0] * high, grid[1] * wide
     still = round(_LAST * settings.frames_per_second)
     with mp4(path, size, settings.frames_per_second) as video:
-        for number in tqdm(range(count), unit="frame", desc="draw", disable=None, leave=False):
+        for number in counted(range(count), "frame", "draw"):
             times = [min(begin + number * interval, end) for begin, end in spans]
             picture = _joined([tile.draw(time) for tile, time in zip(tiles, times, strict=True)], grid)
             video.write(picture)

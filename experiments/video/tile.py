@@ -6,26 +6,26 @@ import cv2
 import numpy as np
 
 from cell.records import DecisionRecord
-from experiments.video.drawing import (
+from experiments.observing.drawing import (
     BLUE,
     DARK,
     GREY,
     MASK,
     MODEL,
     WHITE,
-    Color,
     Image,
     ascii_of,
     color_of,
     label,
     write,
 )
-from experiments.video.overlay import overlaid
-from experiments.video.take import TIME_OUT, Status, Take, in_words
-from sim.runtime.pictures import FINE_SAMPLES, Pictures
+from experiments.observing.looks import Looks
+from experiments.observing.observer import Status
+from experiments.observing.take import Take
+from experiments.observing.words import in_words, just_ended
+from sim.runtime.pictures import SHADOWS, Pictures
 
-_SHOWN_FOR = 1.5  # s of the cell's clock that an outcome is shown
-_LOOK_SAMPLES = FINE_SAMPLES // 6
+_QUICK_SHADOWS = 1024, 0  # px, of overview and wrist camera; of pictures that are no mean
 
 
 @dataclass(slots=True, eq=False)
@@ -34,7 +34,7 @@ class _Cameras:
 
     overview: Pictures
     wrist: Pictures
-    look: Pictures
+    looks: Looks
     shown: dict[str, tuple[bytes, Image]] = field(default_factory=dict)
 
 
@@ -43,8 +43,8 @@ class Tile:
 
     Args:
         taken: the experiment.
-        height: of the overview, px, a multiple of 4; the tile is twice as wide, and higher by its bar.
-        samples: per pixel.
+        height: of the overview, px, a multiple of 12; the tile is twice as wide, and higher by its bar.
+        samples: per pixel; with 1, shadows are coarse, and the wrist camera's picture has none.
 
     Raises:
         GraphicsError: there is no off-screen OpenGL.
@@ -52,14 +52,13 @@ class Tile:
 
     def __init__(self, taken: Take, height: int, samples: int) -> None:
         self._taken, self._height, self.bar = taken, height, 2 * round(0.06 * height)
-        world, half = taken.cell.world, height // 2
-        camera = world.layout.camera
+        world, half = taken.world, height // 2
+        shadows = _QUICK_SHADOWS if samples == 1 else (SHADOWS, SHADOWS)
         self._cameras = _Cameras(
-            Pictures(world, height, 4 * height // 3, samples),
-            Pictures(world, half, 2 * height // 3, samples),
-            Pictures(world, camera.height, camera.width, _LOOK_SAMPLES),
+            Pictures(world, height, 4 * height // 3, samples, shadows=shadows[0]),
+            Pictures(world, half, 2 * height // 3, samples, shadows=shadows[1]),
+            Looks(world),
         )
-        self._look: tuple[DecisionRecord, Image] | None = None
 
     @property
     def shape(self) -> tuple[int, int, int]:
@@ -68,13 +67,13 @@ class Tile:
 
     def close(self) -> None:
         """Gives the OpenGL contexts back."""
-        for pictures in (self._cameras.overview, self._cameras.wrist, self._cameras.look):
+        for pictures in (self._cameras.overview, self._cameras.wrist, self._cameras.looks):
             pictures.close()
 
     def draw(self, time: float) -> Image:
         """The experiment at a time, s."""
         taken, height, half = self._taken, self._height, self._height // 2
-        status, wide = taken.status(time), 4 * self._height // 3
+        status, wide = taken.observer.at(time), 4 * self._height // 3
         image = np.full(self.shape, DARK, dtype=np.uint8)
         image[self.bar :, :wide] = self._seen("overview", time)
         image[self.bar : self.bar + half, wide:] = self._seen("wrist", time)
@@ -99,23 +98,19 @@ class Tile:
         return kept[1]
 
     def _look_of(self, decided: DecisionRecord) -> Image:
-        if self._look is None or self._look[0] is not decided:
-            positions = self._taken.film.at(decided.observation.frame.time)
-            picture = self._cameras.look.rgb("wrist", positions)
-            self._look = decided, overlaid(picture, decided, self._taken.cell.world.part_model.part)
-        return self._look[1]
+        return self._cameras.looks.overlaid(decided, self._taken.film.at(decided.observation.frame.time))
 
     def _write_bar(self, image: Image, status: Status, time: float) -> None:
         """What is run, the clock, the slot and the state; and the newest decision."""
-        height, bar, result = self._height, self.bar, self._taken.result
-        assert result is not None
-        spec, middle, margin = result.spec, round(1.22 * height), round(0.25 * bar)
+        height, bar, spec = self._height, self.bar, self._taken.spec
+        middle, margin = round(1.22 * height), round(0.25 * bar)
         first, second = round(0.42 * bar), round(0.85 * bar)
-        part, slot = self._taken.cell.world.part_model.part.name, min(len(status.slots) + 1, spec.parts)
+        part, slot = self._taken.part.name, min(len(status.slots) + 1, spec.parts)
+        how = spec.method if spec.policy is None else f"{spec.method}, {spec.policy}"
         doing = f"{status.state}: {status.reason}" if status.reason else f"{status.state}"
         decision = "" if status.decided is None else in_words(status.decided)
         for text, place, color in (
-            (f"{part}  |  {spec.method}  |  experiment {spec.experiment}", (margin, first), WHITE),
+            (f"{part}  |  {how}  |  experiment {spec.experiment}", (margin, first), WHITE),
             (doing, (margin, second), GREY),
             (f"{time:6.2f} s   part {slot} of {spec.parts}", (middle, first), WHITE),
             (decision, (middle, second), BLUE),
@@ -144,16 +139,7 @@ class Tile:
             cv2.rectangle(image, (left, low - side), (left + side, low), color_of(outcome), cv2.FILLED)
             place = (left + side // 4, low - side // 4)
             write(image, str(slot + 1), place, height=0.5 * side, color=WHITE, width=side)
-        ended = self._ended(status, time)
+        ended = just_ended(status, time)
         if ended is not None:
-            label(image, ended[0], (pad, bar + pad), height=0.032 * height, color=WHITE, ground=ended[1])
-
-    def _ended(self, status: Status, time: float) -> tuple[str, Color] | None:
-        """What has just ended, and its colour."""
-        attempt = status.attempt
-        if attempt is not None and time - attempt.end <= _SHOWN_FOR:
-            force = f", {attempt.contact.force:.0f} N" if attempt.contact else ""
-            return f"{attempt.outcome}{force}", color_of(attempt.outcome)
-        if status.timed_out is not None and time - status.timed_out <= _SHOWN_FOR:
-            return TIME_OUT, color_of(None)
-        return None
+            words, outcome = ended
+            label(image, words, (pad, bar + pad), height=0.032 * height, color=WHITE, ground=color_of(outcome))

@@ -34,11 +34,16 @@ class Film:
 
     @contextmanager
     def recording(self, world: World) -> Iterator[None]:
-        """Records the steps that are made in its block; the steps themselves are the same, bit for bit."""
+        """Records the steps that are made in its block; the steps themselves are the same, bit for bit.
+
+        Who was told of steps before is told of them still.
+        """
 
         def keep() -> None:
             self._times.append(world.time)
             self._positions.append(world.data.qpos.astype(np.float32))
+            if before is not None:
+                before()
 
         before, world.on_step = world.on_step, keep
         try:

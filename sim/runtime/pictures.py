@@ -12,28 +12,24 @@ from sim.scenery.lighting import OVERVIEW
 from sim.scenery.model import build_scenery
 
 SAMPLES = 4  # per pixel, of a picture that many are taken of
+SHADOWS = 2048  # px
 FINE_SAMPLES = 48  # of a picture to look at for long
 
 
+_SCENERIES: WeakKeyDictionary[World, mujoco.MjModel] = WeakKeyDictionary()
+
+
 def scenery_of(world: World) -> mujoco.MjModel:
-    """The model to take pictures of a world of: its joints are the world's.
+    """The model to take pictures of a world of: its joints are the world's. One for all of them: it takes 45 MB.
 
     Raises:
         MeshesMissingError: the maker's meshes are asked for and not installed.
     """
-    model, parts = world.part_model, world.parts
-    return build_scenery(
-        world.layout, [model] * parts, model.part.slot_size, world.conditions, use_meshes=world.use_meshes
-    )
-
-
-_SCENERIES: WeakKeyDictionary[World, mujoco.MjModel] = WeakKeyDictionary()  # of pictures, which change nothing in it
-
-
-def _shared_scenery(world: World) -> mujoco.MjModel:
-    """One model for all pictures of a world, which takes 45 MB."""
     if world not in _SCENERIES:
-        _SCENERIES[world] = scenery_of(world)
+        model, parts = world.part_model, world.parts
+        _SCENERIES[world] = build_scenery(
+            world.layout, [model] * parts, model.part.slot_size, world.conditions, use_meshes=world.use_meshes
+        )
     return _SCENERIES[world]
 
 
@@ -45,15 +41,25 @@ class Pictures:
         height: of a picture, px.
         width: of a picture, px.
         samples: pictures that each is the mean of; more make shadows softer and edges smoother.
+        shadows: side of the map that shadows are looked up in, px; 0 for none, which halves the time.
 
     Raises:
         GraphicsError: there is no off-screen OpenGL.
         MeshesMissingError: the maker's meshes are asked for and not installed.
     """
 
-    def __init__(self, world: World, height: int, width: int, samples: int = SAMPLES) -> None:
+    def __init__(
+        self,
+        world: World,
+        height: int,
+        width: int,
+        samples: int = SAMPLES,
+        *,
+        shadows: int = SHADOWS,
+    ) -> None:
         self._world, self._samples = world, samples
-        self._mj_model = _shared_scenery(world)
+        self._mj_model = scenery_of(world)
+        self._mj_model.vis.quality.shadowsize = shadows  # read when the context is made
         self._data = mujoco.MjData(self._mj_model)
         self._renderer = Renderer(self._mj_model, height, width)
         self._renderer.rgb(self._data, OVERVIEW)  # the first frame's shadows may differ by a grey level

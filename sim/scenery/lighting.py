@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from sim.scenery.solids import Point
 
 OVERVIEW = "overview"
-_EYE, _TARGET = (2.65, -2.05, 1.32), (0.36, -0.20, 0.03)  # m in W
+EYE, TARGET = (2.65, -2.05, 1.32), (0.36, -0.20, 0.03)  # m in W
 # Position (where its shadows begin), direction, strength, and the bulb's radius at a distance of 1.
 _LAMPS = (
     ((1.4, 0.6, 2.8), (-0.45, -0.22, -1.0), 0.50, 0.10),  # key, a large window; only its light throws shadows
@@ -42,7 +42,7 @@ def add_lighting(spec: mujoco.MjSpec) -> None:
         lamp.ambient = [0.0] * 3
         lamp.type, lamp.bulbradius = mujoco.mjtLightType.mjLIGHT_DIRECTIONAL, bulb
         lamp.diffuse, lamp.specular = [strength] * 3, [0.25 + 0.4 * strength] * 3
-    world.add_camera(name=OVERVIEW, pos=_EYE, quat=_looking(_EYE, _TARGET), fovy=37)
+    world.add_camera(name=OVERVIEW, pos=EYE, quat=_looking(EYE, TARGET), fovy=37)
 
 
 def _looking(eye: Point, target: Point) -> NDArray[np.float64]:

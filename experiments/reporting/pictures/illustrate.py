@@ -3,9 +3,8 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from tqdm import tqdm
-
 from experiments.errors import UsageError
+from experiments.progress import counted
 from experiments.reading.resimulation import Choice, finished
 from experiments.reporting.data.happened import Rows
 from experiments.reporting.data.source import Source
@@ -73,9 +72,7 @@ def _take(source: Source, tasks: Sequence[Task], experiments: Sequence[Rows], jo
     """Takes the pictures while there is room for them; returns how many bytes are left."""
     total = left_out = 0
     without = set()
-    shown = tqdm(
-        take_pictures(tasks, jobs), total=len(tasks), unit="experiment", desc="pictures", disable=None, leave=False
-    )
+    shown = counted(take_pictures(tasks, jobs), "experiment", "pictures", len(tasks))
     for experiment, made in zip(experiments, shown, strict=True):
         if made.without is not None:
             without.add(made.without)

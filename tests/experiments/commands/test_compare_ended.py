@@ -2,10 +2,13 @@
 
 import json
 import os
+import pty
 import re
+import select
 import signal
 import subprocess
 import sys
+import termios
 import time
 from pathlib import Path
 
@@ -59,6 +62,16 @@ def test_what_ends_compare_early_keeps_what_is_finished_and_the_same_command_goe
     assert contents(tmp_path / "run") == contents(tmp_path / "whole")
 
 
+def read_from(terminal: int) -> str:
+    """What has come to a terminal within a moment; nothing once its program has ended and all is read."""
+    if not select.select([terminal], [], [], 0.05)[0]:
+        return ""
+    try:
+        return os.read(terminal, 65536).decode()
+    except OSError:
+        return ""
+
+
 @pytest.mark.parametrize(
     ("shown", "then_wait", "finished"),
     [
@@ -69,34 +82,38 @@ def test_what_ends_compare_early_keeps_what_is_finished_and_the_same_command_goe
 def test_ctrl_c_in_a_terminal_ends_command_and_workers_within_seconds(
     tmp_path: Path, shown: str, then_wait: float, finished: int
 ) -> None:
-    errors = tmp_path / "stderr"
     arguments = ["compare", "--experiments", "40", "--parts", "1", "--jobs", "2", "--out", str(tmp_path / "out")]
+    terminal, stderr = pty.openpty()
+    termios.tcsetwinsize(stderr, (24, 120))
     # A shell without job control starts what it puts into the background with interrupts ignored.
     previous = signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
-        with errors.open("w") as stderr:
-            process = subprocess.Popen(
-                [sys.executable, "-m", "experiments.cli", *arguments],
-                cwd=ROOT,
-                start_new_session=True,
-                stdout=subprocess.PIPE,
-                stderr=stderr,
-                text=True,
-            )
+        process = subprocess.Popen(
+            [sys.executable, "-m", "experiments.cli", *arguments],
+            cwd=ROOT,
+            start_new_session=True,
+            stdout=subprocess.PIPE,
+            stderr=stderr,
+            text=True,
+        )
     finally:
         signal.signal(signal.SIGINT, previous)
-    begun = time.monotonic()
-    while not re.search(shown, errors.read_text()):  # by the progress bar
-        assert process.poll() is None, errors.read_text()
+        os.close(stderr)
+    begun, told = time.monotonic(), ""
+    while not re.search(shown, told):  # by the progress bar
+        assert process.poll() is None, told
         assert time.monotonic() - begun < 60
-        time.sleep(0.05)
+        told += read_from(terminal)
     time.sleep(then_wait)
     os.killpg(process.pid, signal.SIGINT)  # as a terminal does: to the command and its workers
     pressed = time.monotonic()
     out, _ = process.communicate(timeout=30)
     assert process.returncode == 130
     assert time.monotonic() - pressed < 10
-    assert "Traceback" not in errors.read_text()
+    while more := read_from(terminal):
+        told += more
+    os.close(terminal)
+    assert "Traceback" not in told
     assert "interrupted: 240 experiments expected" in out
     assert len(rows(tmp_path / "out", "experiments")) >= finished
     assert len(table_of(tmp_path / "out")) >= finished

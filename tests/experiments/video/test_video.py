@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 from cell.interfaces import Outcome
-from experiments.video.drawing import AMBER, GREEN, MASK, MODEL, RED, ascii_of, color_of
-from experiments.video.overlay import overlaid
+from experiments.observing.drawing import AMBER, GREEN, MASK, MODEL, RED, ascii_of, color_of
+from experiments.observing.overlay import overlaid
 from maskval import silhouette
 from sim.instance_ids import PIXEL_CENTER
 from tests.experiments.command import command
-from tests.experiments.video.test_take import SPEC, take
+from tests.experiments.observing.test_take import SPEC, take
 
 SHORT = ("--parts", 1, "--estimator", "oracle", "--samples", 1, "--speed-up", 20, "--frames-per-second", 4)
 
@@ -32,15 +32,15 @@ def test_two_methods_stand_one_below_the_other_and_end_with_their_outcome(
 ) -> None:
     path = tmp_path / "cell.mp4"
     told = command(capsys, "video", "--object", "handle", "--methods", "none", "maskval", *SHORT, "--out", path)
-    assert (told.code, told.out, told.err.strip()) == (0, f"video in {path}\n", "")
+    assert (told.code, told.out, told.err.strip()) == (0, f"{path}: open it with a player or a browser\n", "")
     frames = frames_of(path)
     assert (
         4 + 1 < len(frames) < 4 + 1 + 20 / 5
     )  # one second of standing still; a part takes less than 20 s, 5 s a frame
-    assert frames[0].shape == (2 * 672, 1200, 3)  # 600 px and a bar of 72, twice
-    for tile in (slice(0, 672), slice(672, 1344)):
+    assert frames[0].shape == (2 * 430, 768, 3)  # 384 px and a bar of 46, twice
+    for tile in (slice(0, 430), slice(430, 860)):
         assert np.abs(frames[0][tile].astype(int) - frames[-1][tile]).max() > 100
-        square = frames[-1][tile][672 - 12 - 25 : 672 - 14, 14:18]  # the box of the first part
+        square = frames[-1][tile][430 - 8 - 15 : 430 - 10, 9:12]  # the box of the first part
         assert np.abs(square.mean(axis=(0, 1)) - GREEN).max() < 12
 
 
@@ -50,8 +50,10 @@ def test_two_methods_stand_one_below_the_other_and_end_with_their_outcome(
         (("--speed-up", 0), "expected --speed-up within 0.1 and 20, got 0"),
         (("--frames-per-second", 61), "expected --frames-per-second within 1 and 60, got 61"),
         (("--samples", 0), "expected --samples within 1 and 64, got 0"),
-        (("--out", "cell.gif"), "expected --out to end in .mp4, got cell.gif"),
+        (("--out", "cell.gif"), "expected --out to end in .mp4, .html or .rrd, got cell.gif"),
         (("--methods", "none", "none"), "expected 1 to 9 different names for --methods, got none none"),
+        (("--height", 100), "expected --height within 120 and 1080, got 100"),
+        (("--height", 200), "expected --height of a multiple of 12 pixels, got 200"),
         (("--attempt", -1), "expected --attempt of at least 0"),
     ],
 )
@@ -66,7 +68,7 @@ def test_without_pyav_the_extra_is_named_before_anything_runs(
     capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(sys.modules, "av", None)
-    monkeypatch.setattr("experiments.video.make.take", lambda _: pytest.fail("an experiment was run"))
+    monkeypatch.setattr("experiments.video.shots.take", lambda *_: pytest.fail("an experiment was run"))
     told = command(capsys, "video", "--out", tmp_path / "cell.mp4")
     assert told.code == 2
     assert "videos need PyAV; expected the extra: pip install 'graspcell[video]'" in told.err
@@ -83,8 +85,10 @@ def test_an_attempt_that_never_was_names_those_that_were_and_leaves_no_file(
 
 def test_a_look_shows_mask_and_model_where_they_are() -> None:
     taken = take(SPEC)
-    decided = next(one for one in (status.decided for status in taken.history) if one and one.decision.detection == 0)
-    part, observation = taken.cell.world.part_model.part, decided.observation
+    decided = next(
+        one for one in (status.decided for status in taken.observer.history) if one and one.decision.detection == 0
+    )
+    part, observation = taken.part, decided.observation
     black = np.zeros((480, 640, 3), np.uint8)
     image = overlaid(black, decided, part)
     assert not black.any()

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from cell.records import State
+from experiments.observing.take import Take, take
+from experiments.observing.words import in_words
 from experiments.setup.experiment import ExperimentResult, ExperimentSpec, run_experiment
 from experiments.setup.thresholds import load_thresholds
-from experiments.video.take import Take, in_words, take
 
 SPEC = ExperimentSpec(
     part="handle",
@@ -43,11 +44,11 @@ def test_a_run_for_a_video_has_the_tables_of_the_run_without_one_bit_for_bit(
 
 def test_the_film_has_every_step_and_leaves_the_world_alone(ran: ExperimentResult, taken: Take) -> None:
     assert ran.count is not None
-    assert taken.film.duration == pytest.approx(ran.count.duration, abs=taken.cell.world.time_step)
-    assert taken.cell.world.on_step is None
+    assert taken.film.duration == pytest.approx(ran.count.duration, abs=taken.world.time_step)
+    assert taken.world.on_step is None
     first, last = taken.film.at(0.0), taken.film.at(1e6)
     assert np.array_equal(taken.film.at(-1.0), first)
-    assert last == pytest.approx(taken.cell.world.data.qpos, abs=1e-6)
+    assert last == pytest.approx(taken.world.data.qpos, abs=1e-6)
     assert np.abs(last - first).max() > 0.1
 
 
@@ -56,9 +57,9 @@ def test_the_status_is_what_the_tables_say_of_a_time(ran: ExperimentResult, take
     assert len(changes) > 10
     for change, following in pairwise(changes):
         if following["time_s"] - change["time_s"] > 0.01:
-            assert taken.status(change["time_s"] + 0.005).state == State(change["target"])
-    assert taken.status(0.0).slots == ()
-    assert [str(outcome) for outcome in taken.status(1e6).slots] == [row["outcome"] for row in ran.tables["slots"]]
+            assert taken.observer.at(change["time_s"] + 0.005).state == State(change["target"])
+    assert taken.observer.at(0.0).slots == ()
+    assert [str(outcome) for outcome in taken.observer.at(1e6).slots] == [row["outcome"] for row in ran.tables["slots"]]
 
 
 def test_an_attempt_is_shown_from_its_look_to_its_end(ran: ExperimentResult, taken: Take) -> None:
@@ -70,7 +71,7 @@ def test_an_attempt_is_shown_from_its_look_to_its_end(ran: ExperimentResult, tak
 
 
 def test_an_attempt_that_never_was_is_refused_with_those_that_were(taken: Take) -> None:
-    most = len(taken.attempts) - 1
+    most = len(taken.observer.attempts) - 1
     for wrong in (-1, most + 1):
         with pytest.raises(LookupError, match=f"in 0..{most}"):
             taken.span(wrong)
@@ -78,7 +79,7 @@ def test_an_attempt_that_never_was_is_refused_with_those_that_were(taken: Take) 
 
 def test_a_decision_is_told_with_its_u_and_threshold_in_ascii(ran: ExperimentResult, taken: Take) -> None:
     told = {}
-    for status in taken.history:
+    for status in taken.observer.history:
         if status.decided is not None:
             told[status.decided.decision_index] = in_words(status.decided)
     assert len(told) == len(ran.tables["decisions"])

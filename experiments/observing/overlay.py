@@ -4,7 +4,7 @@ import numpy as np
 
 from cell.part import Part
 from cell.records import DecisionRecord
-from experiments.video.drawing import BLACK, MASK, MODEL, WHITE, Image, outline, tint, write
+from experiments.observing.drawing import BLACK, MASK, MODEL, WHITE, Image, outline, tint, write
 from maskval import silhouette
 from sim.instance_ids import PIXEL_CENTER
 
