@@ -49,14 +49,14 @@ def with_own_names(arguments: Sequence[str], valid: Sequence[str]) -> list[str]:
     return found
 
 
-def check_lists(config: object) -> None:
-    """Raises UsageError if a list among a command's options is empty where its default is not, or repeats a value."""
-    kinds = get_type_hints(type(config))
+def check_lists(config: object, arguments: Sequence[str]) -> None:
+    """Raises UsageError if a list among a command's options was given without a value, or repeats one."""
+    kinds, given = get_type_hints(type(config)), {option_name(argument) for argument in arguments}
     for field in fields(config):  # type: ignore[arg-type]  # a dataclass
         if get_args(kinds[field.name])[1:] != (...,):
             continue
         option, values = f"--{field.name.replace('_', '-')}", getattr(config, field.name)
-        if field.default and not values:
+        if not values and (field.default or option_name(option) in given):
             raise UsageError(f"expected at least one value for {option}, got none")
         if len(set(values)) < len(values):
             raise UsageError(f"expected different values for {option}, got {' '.join(map(str, values))}")

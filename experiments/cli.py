@@ -151,7 +151,7 @@ def parse(arguments: Sequence[str]) -> Any:
         if stop.code in (0, None):
             raise
         raise UsageError(_one_line(told.getvalue(), arguments)) from None
-    check_lists(config)
+    check_lists(config, rest)
     return config
 
 

@@ -5,6 +5,7 @@ from typing import Any, Generic, SupportsFloat, TypeVar
 
 import gymnasium
 import numpy as np
+from numpy.typing import NDArray
 
 from cell.interfaces import Detection, Frame, Image, MaskEstimator, Observation, Outcome
 from cell.layout import Layout
@@ -14,6 +15,7 @@ from sim.errors import EnvOptionError
 from sim.gym.checks import check_keys, check_kind, check_name, check_whole
 from sim.gym.observation import AllMethods, DetectionEncoder, Encoded
 from sim.gym.options import EnvOptions
+from sim.gym.recording import Notes
 from sim.model.parts import load_part
 from sim.networks.ground_truth import LatestTruth
 from sim.networks.noise_model import PartNoise, load_noise
@@ -62,6 +64,7 @@ class CellEnv(gymnasium.Env[Encoded, Action], Generic[Action]):
         self._cell: SimCell | None = None
         self._overview: Pictures | None = None
         self._window: Window | None = None
+        self._notes: Notes | None = None
         self._latest_truth = LatestTruth()
         self._methods: dict[str, UncertaintyMethod] = {}  # of the episode
 
@@ -121,6 +124,20 @@ class CellEnv(gymnasium.Env[Encoded, Action], Generic[Action]):
             self._overview = Pictures(world, *self._render_size)
         return self._overview.rgb("overview")
 
+    def frames(self, per_second: float) -> list[NDArray[np.uint8]]:
+        """Pictures of what happened since the last call, for `RecordMotion`; the first time, of the present alone.
+
+        Args:
+            per_second: how many there are of a second of the cell's clock.
+        """
+        present = self.render()
+        if self._cell is None or self._overview is None:
+            raise EnvOptionError(f"expected render_mode rgb_array to record, got {self.render_mode}")
+        if self._notes is None:
+            self._notes = Notes(self._cell.world, per_second)
+            return [present]
+        return [self._overview.rgb("overview", positions) for positions in self._notes.take()]
+
     def close(self) -> None:
         """Releases window and OpenGL contexts; a reset creates new ones."""
         for held in (self._window, self._overview, self._cell.camera if self._cell else None):
@@ -128,7 +145,7 @@ class CellEnv(gymnasium.Env[Encoded, Action], Generic[Action]):
                 held.close()
         if self._cell is not None:
             self._cell.world.on_step = None
-        self._cell = self._overview = self._window = None
+        self._cell = self._overview = self._window = self._notes = None
         self._latest_truth, self._methods = LatestTruth(), {}
 
     def _truth(self, observation: Observation | None = None) -> Info:

@@ -10,8 +10,8 @@ import cv2
 import numpy as np
 import pytest
 
+from experiments.observing.drawing import DARK
 from experiments.uq.pictures import panels, write_pictures
-from experiments.video.drawing import DARK
 from maskval import Pose, bop
 from tests.experiments.command import command
 from tests.maskval import bop_dataset
