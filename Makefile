@@ -13,7 +13,7 @@ run: $(COMPILED)
 	$(BIN)/graspcell report $(OUT) --out $(OUT)/report.html
 
 test: $(COMPILED) browser
-	$(BIN)/python -m pytest -m "not study"
+	$(BIN)/python -m pytest -m "not study" -n 2 --dist loadfile
 
 check: $(READY)
 	$(BIN)/ruff format --check .

@@ -19,7 +19,19 @@ from tests.maskval import shapes
 
 PACKAGES = ("maskval", "cell", "sim", "policies", "experiments")
 # They gather what comes in, and say so.
-GROWING = {"Annotations", "Motion", "Plot", "Recorder", "RunFolder", "Source", "Take", "_Cameras", "_Progress", "_Seen"}
+GROWING = {
+    "Annotations",
+    "Motion",
+    "Observer",
+    "Plot",
+    "Recorder",
+    "RunFolder",
+    "Source",
+    "Take",
+    "_Cameras",
+    "_Progress",
+    "_Seen",
+}
 
 
 def records_of(package: str) -> list[type[Any]]:

@@ -7,7 +7,7 @@ import pytest
 
 from tests.experiments.command import command
 
-UQ = ("uq", "--dataset", ".", "--masks", "mask", "--results")
+UQ = ("uq", "--dataset", ".")
 
 
 @pytest.mark.parametrize(
@@ -15,8 +15,8 @@ UQ = ("uq", "--dataset", ".", "--masks", "mask", "--results")
     [
         ("compare", "--gap"),
         ("run", "--gap"),
-        UQ,
-        (*UQ, "results.csv", "--masks"),
+        (*UQ, "--masks", "mask", "--results"),
+        (*UQ, "--results", "results.csv", "--masks"),
         ("compare", "--thresholds"),
         ("compare", "--objects"),
         ("calibrate", "--targets"),

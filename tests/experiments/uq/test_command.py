@@ -142,7 +142,7 @@ def test_a_malformed_file_ends_uq_with_one_line_and_code_2(arguments, capsys, tm
         ({"--seed": str(2**63)}, "expected --seed of at least 0 and below 2^63, got 9.2"),
         ({"--alpha": "nan"}, "expected --alpha in 0..1, got nan"),
         ({"--out": "poses.txt"}, "expected --out as a .csv file, got 'poses.txt'"),
-        ({"--out": ""}, "expected --out as a .csv file"),
+        ({"--out": ""}, "expected a value after '--out', got an empty text"),
         ({"--out": "/dev/null/poses.csv"}, "cannot write to /dev/null: "),
         ({"--pictures": "/dev/null"}, "cannot write to /dev/null: "),
     ],

@@ -139,7 +139,7 @@ def test_uq_says_where_the_pictures_are(arguments, capsys, tmp_path) -> None:
 
 
 def test_progress_is_shown_on_a_terminal(arguments, capsys, monkeypatch) -> None:
-    monkeypatch.setattr("experiments.uq.command.tqdm", with_bar)
+    monkeypatch.setattr("experiments.uq.command.bar", counted_bar)
     _counted.clear()
     assert command(capsys, *arguments).code == 0
     assert _counted == {"pose": 2 * IMAGES, "sample": 5}
@@ -149,7 +149,9 @@ _counted: dict[str, int] = {}
 
 
 @contextlib.contextmanager
-def with_bar(*, total: int, unit: str, **_: object) -> Iterator[object]:
+def counted_bar(unit: str, what: str, total: int) -> Iterator[object]:
+    assert what
+
     class Bar:
         def set_description(self, text: str) -> None:
             assert text
