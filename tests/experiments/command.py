@@ -25,3 +25,13 @@ def command(capsys: pytest.CaptureFixture[str], *arguments: object) -> Told:
     shown = [line.split("\r")[-1].rstrip() for line in printed.err.split("\n")]
     assert isinstance(end.value.code, int)
     return Told(end.value.code, printed.out, "\n".join(shown))
+
+
+def overriding(*arguments: object) -> list[str]:
+    """The arguments without those options, and their values, that others of the same name follow."""
+    groups: list[list[str]] = [[]]
+    for argument in map(str, arguments):
+        groups += [[]] if argument.startswith("--") else []
+        groups[-1].append(argument)
+    last = {group[0]: index for index, group in enumerate(groups) if group}
+    return [word for index, group in enumerate(groups) if group and last[group[0]] == index for word in group]

@@ -10,7 +10,7 @@ import pytest
 
 from experiments.setup.experiment import ExperimentSpec
 from experiments.setup.thresholds import load_thresholds
-from tests.experiments.command import Told, command
+from tests.experiments.command import Told, command, overriding
 
 PARTS = 2  # per experiment: enough for a second slot of time, and two of them share a picture
 KEY = ("object", "method", "policy", "experiment")
@@ -18,7 +18,8 @@ Row = dict[str, Any]
 
 
 def compared(capsys: pytest.CaptureFixture[str], out: Path, *arguments: object, jobs: int = 1) -> Told:
-    return command(capsys, "compare", "--parts", PARTS, "--jobs", jobs, "--seed", 5, "--out", out, *arguments)
+    common = ("--parts", PARTS, "--jobs", jobs, "--seed", 5, "--out", out)
+    return command(capsys, "compare", *overriding(*common, *arguments))
 
 
 def rows(folder: Path, table: str, **of: object) -> list[Row]:

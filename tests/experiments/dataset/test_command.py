@@ -17,7 +17,7 @@ from experiments.setup.thresholds import load_thresholds
 from maskval import Ensemble
 from sim.model.parts import load_part
 from sim.networks.noise_model import noise_text
-from tests.experiments.command import Told, command
+from tests.experiments.command import Told, command, overriding
 
 DEFAULT = ["maskval", "ensemble-add", "oracle-mask", "oracle-mdd", "random"]
 WRONG = [  # arguments, words that the one line of error must hold
@@ -26,11 +26,11 @@ WRONG = [  # arguments, words that the one line of error must hold
     (["--seed", "-1"], ["--seed of at least 0", "got -1"]),
     (["--jobs", "-1"], ["--jobs of at least 0", "got -1"]),
     (["--resamples", "0"], ["--resamples of at least 1", "got 0"]),
-    (["--objects"], ["expected at least one name for --objects, got none"]),
+    (["--objects"], ["expected at least one value for --objects, got none"]),
     (["--objects", "cup"], ["unknown object 'cup'", "antenna, handle", ".toml"]),
-    (["--objects", "handle", "handle"], ["expected different names for --objects, got handle handle"]),
-    (["--methods"], ["expected at least one name for --methods, got none"]),
-    (["--methods", "score", "score"], ["expected different names for --methods, got score score"]),
+    (["--objects", "handle", "handle"], ["expected different values for --objects, got handle handle"]),
+    (["--methods"], ["expected at least one value for --methods, got none"]),
+    (["--methods", "score", "score"], ["expected different values for --methods, got score score"]),
     (["--methods", "temporal"], ["temporal needs several views of one scene", "a single test image"]),
     (["--methods", "mask"], ["unknown method 'mask'", "maskval", "package.module:Class"]),
     (["--averaging", "median"], ["--averaging", "median", "images", "pooled"]),
@@ -40,7 +40,7 @@ WRONG = [  # arguments, words that the one line of error must hold
 
 
 def run(capsys: pytest.CaptureFixture[str], out: Path, *arguments: object) -> Told:
-    return command(capsys, "dataset", "--resamples", 5, "--out", out, *arguments)
+    return command(capsys, "dataset", *overriding("--resamples", 5, "--out", out, *arguments))
 
 
 @pytest.mark.parametrize(("arguments", "words"), WRONG, ids=[" ".join(arguments) for arguments, _ in WRONG])

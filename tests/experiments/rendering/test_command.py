@@ -38,7 +38,7 @@ WRONG = [  # arguments, words that the one line of error must hold
     (["--rgb", "gif"], ["--rgb", "png", "jpg"]),
     (["--seed", "-1"], ["--seed of at least 0", "got -1"]),
     (["--jobs", "-1"], ["--jobs of at least 0", "got -1"]),
-    (["--objects", "handle"], ["--objects", "valid options of render-dataset", "--object", "--textured"]),
+    (["--objets", "handle"], ["--objets", "valid options of render-dataset", "--object", "--textured"]),
 ]
 
 

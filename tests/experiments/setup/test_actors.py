@@ -14,7 +14,7 @@ from experiments.setup.policies import make_policy
 from experiments.setup.thresholds import load_thresholds
 from policies import POLICIES, Fuse, Patient, ThresholdPolicy
 from sim.model.parts import load_part
-from tests.experiments.command import Told, command
+from tests.experiments.command import Told, command, overriding
 from tests.experiments.own import folder_with
 from tests.fakes import policy_setup, run_cycle
 
@@ -118,7 +118,7 @@ def own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
 
 def compared(capsys: pytest.CaptureFixture[str], *arguments: object, jobs: int = 1) -> Told:
     cell = ("--objects", "handle", "--methods", "none", "--experiments", 2, "--parts", 1, "--speed", "fast")
-    return command(capsys, "compare", *cell, "--jobs", jobs, "--out", "out", *arguments)
+    return command(capsys, "compare", *overriding(*cell, "--jobs", jobs, "--out", "out", *arguments))
 
 
 def rows(table: str) -> list[dict[str, Any]]:

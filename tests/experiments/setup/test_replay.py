@@ -18,7 +18,7 @@ from experiments.results.store import SCHEMAS
 from experiments.setup.replay import load_recording
 from maskval import MaskvalError, Pose, bop, mask_from_rle
 from sim.model.parts import load_part
-from tests.experiments.command import Told, command
+from tests.experiments.command import Told, command, overriding
 
 METHOD, PARTS = "ensemble-add", 2  # two networks; the second part of this seed is looked at twice
 SETUP = EstimatorSetup(load_part("handle").part, Layout().camera, 0.5, seed=5, experiment=0)
@@ -29,7 +29,7 @@ Row = dict[str, Any]
 
 def run(capsys: pytest.CaptureFixture[str], out: Path, *arguments: object, method: str = METHOD) -> Told:
     cell = ("--object", "handle", "--method", method, "--parts", PARTS, "--seed", 5, "--speed", "fast")
-    return command(capsys, "run", *cell, "--out", out, *arguments)
+    return command(capsys, "run", *overriding(*cell, "--out", out, *arguments))
 
 
 def rows(folder: Path, table: str) -> list[Row]:

@@ -11,7 +11,7 @@ import pytest
 
 from experiments.units import ray_cluster
 from experiments.units.identity import versions
-from tests.experiments.command import Told, command
+from tests.experiments.command import Told, command, overriding
 from tests.experiments.comparisons import contents
 from tests.experiments.own import folder_with
 from tests.experiments.units.processes import begun, marked, printed, wait_until
@@ -73,7 +73,7 @@ def cluster() -> Iterator[Any]:
 
 
 def compared(capsys: pytest.CaptureFixture[str], out: Path, *arguments: object) -> Told:
-    return command(capsys, "compare", *SMALL, "--out", out, *arguments)
+    return command(capsys, "compare", *overriding(*SMALL, "--out", out, *arguments))
 
 
 @pytest.mark.study

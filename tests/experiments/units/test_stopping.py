@@ -10,7 +10,7 @@ from experiments.errors import UsageError
 from experiments.results.counted import Counted
 from experiments.setup import experiment
 from experiments.units.stopping import Stopping
-from tests.experiments.command import Told, command
+from tests.experiments.command import Told, command, overriding
 from tests.experiments.comparisons import contents, table_of
 
 SPECS = Compare(objects=("antenna",), methods=("none", "maskval"), experiments=200).specs()
@@ -78,7 +78,7 @@ def test_a_method_with_several_policies_is_refused() -> None:
 
 def compared(capsys: pytest.CaptureFixture[str], out: Path, *arguments: object) -> Told:
     small = ("--objects", "antenna", "--methods", "none", "--parts", 1, "--estimator", "oracle", "--speed", "fast")
-    return command(capsys, "compare", *small, "--experiments", 60, "--out", out, *arguments)
+    return command(capsys, "compare", *overriding(*small, "--experiments", 60, "--out", out, *arguments))
 
 
 def test_a_run_stops_where_it_is_answered_for_any_number_of_workers(
