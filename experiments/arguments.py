@@ -1,7 +1,7 @@
 """What an argument of the command line must be, before a command looks at what it means."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import fields
+from dataclasses import MISSING, fields
 from typing import Any, get_args, get_type_hints
 
 from tyro.constructors import ConstructorRegistry, PrimitiveConstructorSpec, PrimitiveTypeInfo
@@ -56,7 +56,7 @@ def check_lists(config: object) -> None:
         if get_args(kinds[field.name])[1:] != (...,):
             continue
         option, values = f"--{field.name.replace('_', '-')}", getattr(config, field.name)
-        if field.default and not values:
+        if field.default not in (MISSING, ()) and not values:
             raise UsageError(f"expected at least one value for {option}, got none")
         if len(set(values)) < len(values):
             raise UsageError(f"expected different values for {option}, got {' '.join(map(str, values))}")

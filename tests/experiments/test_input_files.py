@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.experiments.command import command
+from tests.experiments.command import command, overriding
 
 UQ = ("uq", "--dataset", ".", "--masks", "mask", "--results")
 
@@ -33,7 +33,7 @@ def test_a_pipe_is_refused_in_one_line_instead_of_waiting_for_it(
     (tmp_path / "results.csv").write_text("")
     name = "pipe.json" if arguments[-1] == "--masks" else "pipe.toml"
     os.mkfifo(tmp_path / name)
-    told = command(capsys, *arguments, name)
+    told = command(capsys, *overriding(*arguments, name))
     assert (told.code, told.out, told.err.count("\n")) == (2, "", 1)
     assert f"{name}: expected a regular file, got a pipe" in told.err
 
