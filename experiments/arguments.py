@@ -1,10 +1,9 @@
 """What an argument of the command line must be, before a command looks at what it means."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import fields
-from typing import Annotated, Any, get_args, get_origin, get_type_hints
+from dataclasses import MISSING, fields
+from typing import Any, get_args, get_type_hints
 
-import tyro
 from tyro.constructors import ConstructorRegistry, PrimitiveConstructorSpec, PrimitiveTypeInfo
 
 from experiments.errors import UsageError
@@ -52,16 +51,12 @@ def with_own_names(arguments: Sequence[str], valid: Sequence[str]) -> list[str]:
 
 def check_lists(config: object, arguments: Sequence[str]) -> None:
     """Raises UsageError if a list among a command's options was given without a value, or repeats one."""
-    kinds = get_type_hints(type(config), include_extras=True)
-    given = {option_name(argument) for argument in arguments}
+    kinds, given = get_type_hints(type(config)), {option_name(argument) for argument in arguments}
     for field in fields(config):  # type: ignore[arg-type]  # a dataclass
-        kind, *marks = (
-            get_args(kinds[field.name]) if get_origin(kinds[field.name]) is Annotated else [kinds[field.name]]
-        )
-        if get_args(kind)[1:] != (...,) or tyro.conf.Positional in marks:  # a command looks at its positions itself
+        if get_args(kinds[field.name])[1:] != (...,) or field.default is MISSING:  # a command looks at its positions
             continue
         option, values = f"--{field.name.replace('_', '-')}", getattr(config, field.name)
-        if not values and (field.default or option_name(option) in given):
+        if option_name(option) in given and not values:
             raise UsageError(f"expected at least one value for {option}, got none")
         if len(set(values)) < len(values):
             raise UsageError(f"expected different values for {option}, got {' '.join(map(str, values))}")

@@ -30,7 +30,9 @@ def test_a_pipe_is_refused_in_one_line_instead_of_waiting_for_it(
     monkeypatch.chdir(tmp_path)
     for folder in ("models", "test"):  # an empty data set
         (tmp_path / folder).mkdir()
-    (tmp_path / "results.csv").write_text("")
+    (tmp_path / "results.csv").write_text(
+        "scene_id,im_id,obj_id,score,R,t,time\n0,0,1,1.0,1 0 0 0 1 0 0 0 1,0 0 500,0.1\n"
+    )
     name = "pipe.json" if arguments[-1] == "--masks" else "pipe.toml"
     os.mkfifo(tmp_path / name)
     told = command(capsys, *arguments, name)
