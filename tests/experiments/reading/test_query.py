@@ -93,7 +93,7 @@ def test_without_a_question_tables_and_columns_are_listed_with_their_meanings(as
         (["SELECT nope FROM attempts"], 'column "nope" not found'),
         (["SELECT * FROM grasps"], "grasps does not exist; expected one of experiments, slots,"),
         (["SELECT CAST('x' AS INT) FROM attempts"], "Could not convert string 'x'"),
-        ([""], "expected one SELECT, got none"),
+        ([""], "got an empty text"),
         (["SELECT 1; SELECT 2"], "expected one SELECT, got SELECT, SELECT"),
         (["DROP VIEW attempts"], "expected one SELECT, got DROP"),
         (["COPY attempts TO 'attempts.csv'"], "expected one SELECT, got COPY"),
