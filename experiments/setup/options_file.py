@@ -101,12 +101,12 @@ def _values(where: str, value: Any) -> list[str]:
 
 
 def _flat(options: Mapping[str, Any]) -> dict[str, Any]:
-    """Options by name, with those of groups among the others; what is not set is left out."""
+    """Options by name, with those of groups among the others; what is not set and lists without values are left out."""
     rows: dict[str, Any] = {}
     for name, value in options.items():
         if isinstance(value, Mapping):
             rows |= _flat(value)
-        elif value is not None:
+        elif value is not None and value != []:
             rows[name] = value
     return rows
 
