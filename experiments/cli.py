@@ -47,6 +47,8 @@ _CLOSED_PIPE = 141  # the exit code that shells give a program that SIGPIPE ends
 _USAGE = "Argument help"  # what tyro's explanation of an option begins with
 _ASIDES = ("For full", _USAGE, "Perhaps you meant")  # they fill a screen, not a line
 _PLACE = re.compile(r"^Error parsing (?!--)\S+: ")  # tyro's, before the message of a record that refuses a value
+# Of a number that may also be left out, tyro tells every type that it has tried.
+_TYPES = re.compile(r"no type matching .*(expected a (?:whole )?number such as [\d.]+, got '[^']*')")
 _GROUPS: dict[str, type[Any]] = {"conditions": Conditions, "actors": Actors, "rules": Rules}  # by the field
 _DESCRIPTION = (
     "Closed-loop grasp experiments in simulation that tell which 6D-pose uncertainty can be trusted. "
@@ -182,7 +184,7 @@ def _one_line(told: str, arguments: Sequence[str]) -> str:
     kept = [_PLACE.sub("", " ".join(block)) for block in blocks if block and not block[0].startswith(_ASIDES)]
     kept = [text.removeprefix("Error parsing ") for text in kept]
     kept += (f"expected {block[1]}" for block in blocks if block and block[0].startswith(_USAGE))
-    message = "; ".join(kept) or "the arguments are not understood"
+    message = _TYPES.sub(r"\1", "; ".join(kept)) or "the arguments are not understood"
     command = arguments[0] if arguments else ""
     if "nrecognized" in message and command in COMMANDS:
         valid = options(COMMANDS[command].config)

@@ -61,7 +61,7 @@ def check_number(
         raise error(f"{name} must be {span}, but is {shown(value)}")
 
 
-def check_kind(value: object, kind: type[Any], name: str, error: type[MaskvalError]) -> None:
+def check_kind(name: str, value: object, kind: type[Any], error: type[MaskvalError]) -> None:
     """Raises the error unless the value is of this kind."""
     if not isinstance(value, kind):
         raise error(f"{name} must be a maskval.{kind.__name__}, but is {shown(value)}")

@@ -43,8 +43,8 @@ class Estimates:
     X_BC: Pose | None = None
 
     def __post_init__(self) -> None:
-        check_kind(self.camera, Camera, "camera", InvalidEstimatesError)
-        check_kind(self.mesh, Mesh, "mesh", InvalidEstimatesError)
+        check_kind("camera", self.camera, Camera, InvalidEstimatesError)
+        check_kind("mesh", self.mesh, Mesh, InvalidEstimatesError)
         check_number("pixel_center", self.pixel_center, InvalidEstimatesError, least=0.0, most=1.0, ends="[)")
         masks, scores = _kept(self.masks), floats("scores", self.scores, InvalidEstimatesError)
         size = (self.camera.height, self.camera.width)

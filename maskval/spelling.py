@@ -1,9 +1,12 @@
 """Numbers and names as people type them: what Python would accept beyond that is a slip, and the nearest name helps."""
 
 import difflib
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from math import isfinite
 from numbers import Real
+from typing import TypeVar
+
+Number = TypeVar("Number", int, float)
 
 _ALIKE = 0.6  # share of letters in common, difflib's own default
 
@@ -14,10 +17,7 @@ def whole_number(text: str) -> int:
     Raises:
         ValueError: it does not.
     """
-    try:
-        return int(_plain(text))
-    except ValueError:
-        raise ValueError(f"expected a whole number such as 12, got {shown(text)}") from None
+    return _read(text, int, "a whole number such as 12")
 
 
 def number(text: str) -> float:
@@ -26,10 +26,7 @@ def number(text: str) -> float:
     Raises:
         ValueError: it does not.
     """
-    try:
-        return float(_plain(text))
-    except ValueError:
-        raise ValueError(f"expected a number such as 0.12, got {shown(text)}") from None
+    return _read(text, float, "a number such as 0.12")
 
 
 def nearest(name: str, valid: Iterable[str]) -> str:
@@ -55,7 +52,10 @@ def is_finite(value: object) -> bool:
         return False
 
 
-def _plain(text: str) -> str:
-    if not text.isascii() or "_" in text or text != text.strip():
-        raise ValueError
-    return text
+def _read(text: str, kind: Callable[[str], Number], what: str) -> Number:
+    try:
+        if text.isascii() and "_" not in text and text == text.strip():
+            return kind(text)
+    except ValueError:
+        pass
+    raise ValueError(f"expected {what}, got {shown(text)}")

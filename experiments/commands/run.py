@@ -28,10 +28,10 @@ def run(config: Run) -> int:
     folder = None if config.out is None else writable_folder(config.out)
     if config.rerun is not None:
         writable_folder(config.rerun.parent)
-    mesh = load_part(spec.part).part.mesh
+    mesh, where = load_part(spec.part).part.mesh, config.where
 
     print(f"{spec.part} × {spec.method}, experiment {spec.experiment} of seed {spec.seed}, {spec.estimator} estimators")
-    with watched(spec, config.where, config.rerun, lambda line: print(line, flush=True)) as shown:
+    with watched(spec, where, config.rerun, lambda line: print(line, flush=True)) as shown:
 
         def tell(record: object, latest_truth: LatestTruth) -> None:
             for line in lines(record, latest_truth, mesh.vertices):

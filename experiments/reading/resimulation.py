@@ -74,7 +74,11 @@ def finished(
 
     specs = [spec for spec, _ in pairs()]
     if not specs:
-        raise UsageError(f"{folder.path}: expected an experiment that has a result and was chosen, got none")
+        has = ", ".join(
+            f"{' × '.join(cell.of[key] for key in ('object', 'method', 'policy'))} 0 to {cell.experiments - 1}"
+            for cell in folder.asked
+        )
+        raise UsageError(f"{folder.path}: expected an experiment with a result, of {has}; got none of what was chosen")
     return specs, pairs()
 
 

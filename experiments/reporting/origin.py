@@ -47,7 +47,7 @@ def _common(source: Source) -> dict[str, Any]:
 
 def _hours(source: Source) -> str:
     seconds = sum(one.count.duration for one in source.summary.experiments if one.count is not None)
-    return f"{seconds / 3600:.1f} h"
+    return f"{seconds / 3600:.1f} h" if seconds >= 3600 else f"{seconds / 60:.1f} min"
 
 
 def _commit(source: Source, digits: int = 40) -> str:

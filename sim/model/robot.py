@@ -67,9 +67,7 @@ GRIP_SOLREF = (2 * TIME_STEP, 1.0)  # as stiff as MuJoCo allows; in jaws, its de
 # that a step takes away. A time constant of 2 dt has β = 1, and parts slide by more than a millimetre in a transfer;
 # 1.5 a third of it. Friction is stable for β < 2. Across the contact, 1.5 throws out what the jaws pinch at an edge.
 _SLIP_DAMPING = 1.5  # β, along the contact
-_SLIP_STIFFNESS = (
-    0.25  # dt² k, what a time constant of 2 dt has; without effect, since sliding has no place to go back to
-)
+_SLIP_STIFFNESS = 0.25  # dt² k of a time constant of 2 dt; without effect, since sliding has nothing to go back to
 SLIP_SOLREF = (-_SLIP_STIFFNESS * (_DMAX / TIME_STEP) ** 2, -_SLIP_DAMPING * _DMAX / TIME_STEP)  # −k, −b, unscaled
 PAD_FRICTION = (1.0, 0.02, 0.002)
 

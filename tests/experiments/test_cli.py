@@ -29,7 +29,10 @@ WRONG = [  # arguments, words that the one line of error must hold
     (["compare", "--methods", "none", "none"], ["expected different values for --methods, got none none"]),
     (["compare", "--experiments", "0"], ["--experiments of at least 1", "got 0"]),
     (["compare", "--experiments", "many"], ["error: --experiments: ", "'many'", "expected --experiments INT"]),
-    (["run", "--u-grasp", "x"], ["error: --u-grasp: ", "'x'", "expected --u-grasp {None}|FLOAT"]),
+    (
+        ["run", "--u-grasp", "x"],
+        ["error: --u-grasp: expected a number such as 0.12, got 'x'", "expected --u-grasp {None}|FLOAT"],
+    ),
     (["compare", "--parts", "0"], ["--parts in 1..8", "got 0"]),
     (["compare", "--parts", "9"], ["--parts in 1..8", "got 9"]),
     (["compare", "--seed", "-1"], ["--seed of at least 0", "got -1"]),

@@ -20,10 +20,11 @@ def _of_object(name: str, rows: Sequence[Paired], names: Mapping[tuple[str, str]
     reference = names[rows[0].reference, rows[0].reference_policy]
     placed = _panel(rows, names, "placed", "parts placed (right is better)")
     failed = _panel(rows, names, "failed", "failed attempts (left is better)")
+    runs = f"{rows[0].experiments} experiment{'s' if rows[0].experiments > 1 else ''}"
     return figure(
         f"{name}: per experiment, less {reference}",
         placed + failed,
-        f"Dots: mean differences within {rows[0].experiments} experiments; bars: 95 % intervals; the line at 0 is "
+        f"Dots: mean differences within {runs}; bars: 95 % intervals; the line at 0 is "
         f"{reference}. Blue is better than {reference}, red worse, grey cannot be told.",
         "forest",
     )

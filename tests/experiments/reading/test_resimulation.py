@@ -74,7 +74,7 @@ def test_experiments_are_chosen_by_their_names_and_numbers(small_run: Path, choi
 
 
 def test_a_choice_that_takes_nothing_is_refused(small_run: Path) -> None:
-    with pytest.raises(UsageError, match="expected an experiment that has a result and was chosen, got none"):
+    with pytest.raises(UsageError, match=r"with a result, of .*handle × maskval × \w+ 0 to \d.*; got none"):
         finished(RunFolder.read(small_run), Choice(experiments=(7,)))
 
 
