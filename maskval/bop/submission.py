@@ -104,7 +104,8 @@ def judge_results(
             )
         except MaskvalError as error:
             raise InvalidFileError(f"{_in_words(where)}: {error}") from error
-        plausibility.add(View(dataset.mesh(where.obj_id), poses, masks, camera, image.X_CW), found.v)
+        if check:
+            plausibility.add(View(dataset.mesh(where.obj_id), poses, masks, camera, image.X_CW), found.v)
         progress(len(poses))
         for place, index in enumerate(members):
             c, v, u = (float(values[place]) for values in (found.c, found.v, found.u))

@@ -159,7 +159,7 @@ def test_pictures_and_depth_are_of_the_frames(small_run: Path, tmp_path: Path) -
         (["--lerobot", "b", "--depth"], "expected --bop with --depth"),
         (["--lerobot", "b", "--fps", 30], "expected --fps that divides 500, the steps per second, got 30"),
         (["--bop", "full"], "full is not empty: expected a new or empty folder"),
-        (["--bop", "a", "--methods", "random"], "expected an experiment that has a result and was chosen, got none"),
+        (["--bop", "a", "--methods", "random"], "0 to 1; got none of what was chosen"),
     ],
 )
 def test_options_that_cannot_be_are_one_line(
