@@ -69,7 +69,7 @@ def render_batch(task: RenderTask) -> dict[int, Labels]:
     labels = {}
     for number in task.images:
         streams = Streams(config.seed, number, f"{model.part.name} {config.split}")
-        picture = STYLES[config.style](model, renderer, streams, config.textured, config.views_per_heap)
+        picture = STYLES[config.style](model, renderer, streams, config.shot)
         im_id = number % IMAGES_PER_SCENE
         labels[im_id] = write_picture(scene, im_id, picture, config.rgb)
     return labels

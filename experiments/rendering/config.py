@@ -6,13 +6,16 @@ import math
 import re
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from experiments.errors import UsageError
 from experiments.setup.checks import all_at_least, worker_count, writable_folder
 
 IMAGES_PER_SCENE = 1000  # as in BOP's rendered training images; one scene's annotations are held in memory at a time
 _BATCH = 10  # images that a worker makes at a time; divides IMAGES_PER_SCENE
+
+if TYPE_CHECKING:
+    from sim.images.pictures import Shot
 
 Style = Literal["s1", "s2"]
 
@@ -38,6 +41,11 @@ class RenderDataset:
     """Samples per pixel and side: 3 renders smooth borders, 1 is fast."""
     views_per_heap: int = 1
     """Pictures of each heap of s1, all in one scene; they are not independent, but the heap's fall costs the most."""
+    distance_m: tuple[float, float] = (0.4, 1.2)
+    """Least and greatest distance of a part's middle from the camera, along its axis."""
+    elevation_deg: tuple[float, float] | None = None
+    """Least and greatest angle of the camera's axis over the floor; 25 90 for s1 if not set. s2 has no floor: its parts
+    are turned as they would be on one, and in any way if not set."""
     rgb: Literal["png", "jpg"] = "png"
     """Format of the RGB pictures: without loss, or as BOP's training sets have them (quality 95)."""
     seed: int = 0
@@ -51,6 +59,13 @@ class RenderDataset:
     def workers(self) -> int:
         """Processes to use."""
         return worker_count(self.jobs)
+
+    @property
+    def shot(self) -> "Shot":
+        """How the pictures are taken."""
+        from sim.images.pictures import Shot
+
+        return Shot(self.textured, self.views_per_heap, self.distance_m, self.elevation_deg)
 
     @property
     def batches(self) -> list[range]:
@@ -74,6 +89,9 @@ class RenderDataset:
             raise UsageError(f"expected --views-per-heap that divides {IMAGES_PER_SCENE}, got {self.views_per_heap}")
         if not 0 <= self.textured <= 1:
             raise UsageError(f"expected --textured in 0..1, got {self.textured:g}")
+        _check_span("--distance-m", self.distance_m, (0.25, 3.0))
+        if self.elevation_deg is not None:
+            _check_span("--elevation-deg", self.elevation_deg, (10.0, 90.0))
         if not re.fullmatch(r"[A-Za-z0-9_-]+", self.split) or self.split == "models":
             raise UsageError(f"expected --split of letters, digits, _ and -, and not models, got {self.split!r}")
         try:
@@ -83,3 +101,10 @@ class RenderDataset:
         writable_folder(self.out)
         if any(self.out.iterdir()):
             raise UsageError(f"{self.out} is not empty: expected a new or empty folder for --out")
+
+
+def _check_span(option: str, span: tuple[float, float], limits: tuple[float, float]) -> None:
+    low, high = span
+    if not limits[0] <= low <= high <= limits[1]:
+        least, most = limits
+        raise UsageError(f"expected {option} LOW HIGH in {least:g}..{most:g}, LOW first, got {low:g} {high:g}")

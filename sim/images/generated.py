@@ -19,6 +19,7 @@ from maskval.rendering.z_buffer import ZBuffer
 from sim.instance_ids import NO_INSTANCE, PIXEL_CENTER
 from sim.networks.ground_truth import FrameTruth
 from sim.networks.random_streams import Streams
+from sim.parts.stable_poses import RestingPose
 
 Array = NDArray[np.float64]
 Body = tuple[Mesh, Pose, int]  # its shape, X_CO and number
@@ -32,11 +33,15 @@ class Recipe:
         parts: how many parts, at most 127.
         clutter: how many other bodies.
         distance: z of a body's middle, m.
+        resting: how the parts may lie, each as likely as it says; none for any rotation.
+        elevation_deg: of the camera's axis over the floor that they would lie on.
     """
 
     parts: tuple[int, int] = (2, 6)
     clutter: tuple[int, int] = (0, 4)
     distance: tuple[float, float] = (0.4, 1.2)
+    resting: tuple[RestingPose, ...] = ()
+    elevation_deg: tuple[float, float] = (25.0, 90.0)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -65,7 +70,7 @@ def scatter(mesh: Mesh, camera: Camera, recipe: Recipe, streams: Streams) -> tup
     rng = streams.generator(0, "dataset scene")
     parts = rng.integers(*recipe.parts, endpoint=True)
     clutter = rng.integers(*recipe.clutter, endpoint=True)
-    poses = tuple(_anywhere(mesh, camera, recipe, rng) for _ in range(parts))
+    poses = tuple(_turned_anywhere(mesh, camera, recipe, rng) for _ in range(parts))
     others = [clutter_shapes()[i] for i in rng.integers(len(clutter_shapes()), size=clutter)]
     return (
         *((mesh, X_CO, part) for part, X_CO in enumerate(poses)),
@@ -114,6 +119,37 @@ def clutter_shapes() -> tuple[Mesh, ...]:
     round_ones = [trimesh.creation.cylinder(r, height, sections=24) for r, height in ((0.015, 0.20), (0.05, 0.03))]
     balls = [trimesh.creation.icosphere(subdivisions=2, radius=radius) for radius in (0.025, 0.045)]
     return tuple(Mesh(shape.vertices, shape.faces) for shape in (*boxes, *round_ones, *balls))
+
+
+def looking_down(azimuth: float, elevation: float, roll: float) -> Array:
+    """R_WC of a camera that looks down: along W's x axis with its head up, then tilted, turned about z and rolled.
+
+    Args:
+        azimuth: of the turn about z, rad.
+        elevation: of the axis over the floor, rad.
+        roll: about the axis, rad.
+    """
+    ahead = np.array(((0.0, 0.0, 1.0), (-1.0, 0.0, 0.0), (0.0, -1.0, 0.0)))
+    turns = ((0.0, 0.0, azimuth), (0.0, elevation, 0.0))
+    turned, tilted = (Pose.from_rotvec(turn).rotation for turn in turns)
+    R_WC: Array = turned @ tilted @ ahead @ Pose.from_rotvec((0.0, 0.0, roll)).rotation
+    return R_WC
+
+
+def elevation(span_deg: tuple[float, float], rng: np.random.Generator) -> float:
+    """The elevation, rad, of an axis that is uniform on the sphere between two of them."""
+    return math.asin(rng.uniform(*np.sin(np.radians(span_deg))))
+
+
+def _turned_anywhere(mesh: Mesh, camera: Camera, recipe: Recipe, rng: np.random.Generator) -> Pose:
+    """A pose whose middle lies in the image: of uniform rotation, or as the part lies on a floor."""
+    X_CO = _anywhere(mesh, camera, recipe, rng)
+    if not recipe.resting:
+        return X_CO
+    lies = recipe.resting[rng.choice(len(recipe.resting), p=[pose.probability for pose in recipe.resting])]
+    azimuth, roll = rng.uniform(-math.pi, math.pi, 2)
+    R_CO = looking_down(azimuth, elevation(recipe.elevation_deg, rng), roll).T @ lies.rotation
+    return Pose(R_CO, X_CO.apply(mesh.center) - R_CO @ mesh.center)
 
 
 def _anywhere(mesh: Mesh, camera: Camera, recipe: Recipe, rng: np.random.Generator) -> Pose:

@@ -1,7 +1,7 @@
 """Pictures of parts with ground truth: a settled heap in a room (S1), or parts pasted over a background (S2)."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import cv2
@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from maskval import Camera, Pose
-from sim.images.generated import Recipe, scatter, truth_of
+from sim.images.generated import Recipe, elevation, looking_down, scatter, truth_of
 from sim.images.heap import Heap, drop
 from sim.images.photo_renderer import Photograph, PhotoRenderer
 from sim.images.randomization import ROOM_HALF_SIZE, SurfaceSampler, lamps, room
@@ -26,6 +26,25 @@ _MARGIN = 0.2  # of the image at each border, where the middle of the part aimed
 _LOWEST_CAMERA, _NEAREST_BODY = 0.15, 0.25  # m: the camera stands in nothing
 
 Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Shot:
+    """How pictures are taken.
+
+    Attributes:
+        textured: share of parts with a random texture instead of their own colour, in [0, 1].
+        views_per_heap: how many pictures, whose numbers follow one another, show the same heap (S1); room, surfaces,
+            lamps and camera are each one's own.
+        distance: least and greatest z of a part's middle, m.
+        elevation_deg: least and greatest angle between the camera's axis and the floor; None for S1's 25° to 90°.
+            S2 has no floor: its parts have the rotations that they would have on one, and any rotation with None.
+    """
+
+    textured: float = 0.5
+    views_per_heap: int = 1
+    distance: tuple[float, float] = HEAP.distance
+    elevation_deg: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -45,32 +64,28 @@ class LabelledPicture:
     X_CW: Pose | None
 
 
-def heap_picture(
-    model: PartModel, renderer: PhotoRenderer, streams: Streams, textured: float, views_per_heap: int = 1
-) -> LabelledPicture:
+def heap_picture(model: PartModel, renderer: PhotoRenderer, streams: Streams, shot: Shot) -> LabelledPicture:
     """S1: parts and clutter that fell onto the floor of a room, seen from random directions.
 
     Args:
         model: the kind of part.
         renderer: takes the picture.
         streams: the root of the picture's random numbers; the experiment is the picture's number.
-        textured: share of parts with a random texture instead of their own colour, in [0, 1].
-        views_per_heap: how many pictures, whose numbers follow one another, show the same heap; room, surfaces,
-            lamps and camera are each one's own.
+        shot: how it is taken.
 
     Raises:
         DivergenceError: no heap came to rest.
         GraphicsError: there is no off-screen OpenGL.
     """
     rng, camera = streams.generator(0, "heap picture"), renderer.camera
-    heap = _heap(model, Streams(streams.seed, streams.experiment // views_per_heap, streams.part_name))
+    heap = _heap(model, Streams(streams.seed, streams.experiment // shot.views_per_heap, streams.part_name))
     half_size = rng.uniform(*ROOM_HALF_SIZE, size=2)
-    X_CW = _viewpoint(model, heap, camera, half_size, rng)
+    X_CW = _viewpoint(heap, model.part.mesh.center, camera, half_size, shot=shot, rng=rng)
     bodies = (
         *((model.part.mesh, X_CW @ X, part) for part, X in enumerate(heap.X_WO)),
         *((mesh, X_CW @ X, NO_INSTANCE) for mesh, X in heap.clutter),
     )
-    dressed = SurfaceSampler(model, textured, rng).with_surfaces(bodies)
+    dressed = SurfaceSampler(model, shot.textured, rng).with_surfaces(bodies)
     photo = renderer.photograph(dressed, room(X_CW, half_size, rng), *lamps(X_CW, rng))
     truth = truth_of(bodies, photo.instance_ids, model.part.mesh, camera, streams.experiment)
     return LabelledPicture(expose(photo.rgb, rng), photo.depth, truth, X_CW)
@@ -84,23 +99,24 @@ def _heap(model: PartModel, streams: Streams) -> Heap:
     return drop(model, parts, clutter, rng.uniform(*_HEAP_RADIUS), rng)
 
 
-def pasted_picture(
-    model: PartModel, renderer: PhotoRenderer, streams: Streams, textured: float, _: int = 1
-) -> LabelledPicture:
+def pasted_picture(model: PartModel, renderer: PhotoRenderer, streams: Streams, shot: Shot) -> LabelledPicture:
     """S2: parts and clutter in the air, scattered as in `sim.images.generated`, pasted over a background picture.
 
     Args:
         model: the kind of part.
         renderer: takes the picture.
         streams: the root of the picture's random numbers; the experiment is the picture's number.
-        textured: share of parts with a random texture instead of their own colour, in [0, 1].
+        shot: how it is taken.
 
     Raises:
         GraphicsError: there is no off-screen OpenGL.
     """
     rng, camera = streams.generator(0, "pasted picture"), renderer.camera
-    bodies = scatter(model.part.mesh, camera, Recipe(), streams)
-    dressed = SurfaceSampler(model, textured, rng).with_surfaces(bodies)
+    recipe = Recipe(distance=shot.distance)
+    if shot.elevation_deg is not None:
+        recipe = replace(recipe, resting=model.resting_poses, elevation_deg=shot.elevation_deg)
+    bodies = scatter(model.part.mesh, camera, recipe, streams)
+    dressed = SurfaceSampler(model, shot.textured, rng).with_surfaces(bodies)
     photo = renderer.photograph(dressed, [], *lamps(_TOWARDS_CAMERA, rng))
     pasted = paste(photo, background(camera.height, camera.width, rng), rng.uniform(0.2, 0.8))
     truth = truth_of(bodies, photo.instance_ids, model.part.mesh, camera, streams.experiment)
@@ -137,24 +153,20 @@ def expose(rgb: NDArray[np.float32], rng: np.random.Generator) -> Picture:
     return picture
 
 
-def _viewpoint(model: PartModel, heap: Heap, camera: Camera, half_size: Array, rng: np.random.Generator) -> Pose:
+def _viewpoint(
+    heap: Heap, center_O: Array, camera: Camera, half_size: Array, *, shot: Shot, rng: np.random.Generator
+) -> Pose:
     """X_CW of a camera whose axis looks down, with the middle of one part somewhere in the image."""
-    middles_W = np.array([X.apply(model.part.mesh.center) for X in heap.X_WO])
+    middles_W = np.array([X.apply(center_O) for X in heap.X_WO])
     others_W = np.array([X.apply(mesh.center) for mesh, X in heap.clutter]).reshape(-1, 3)
     size = np.array((camera.width, camera.height))
     while True:
-        z = rng.uniform(*HEAP.distance)
+        z = rng.uniform(*shot.distance)
         u, v = rng.uniform(_MARGIN * size, (1 - _MARGIN) * size)
         p_C = np.array(((u - camera.cx) / camera.fx * z, (v - camera.cy) / camera.fy * z, z))
-        elevation = math.asin(rng.uniform(*np.sin(np.radians(_ELEVATION_DEG))))
+        tilt = elevation(shot.elevation_deg or _ELEVATION_DEG, rng)
         azimuth, roll = rng.uniform(-math.pi, math.pi, 2)
-        # From a camera that looks along W's x axis with its head up, tilted down, turned about z, rolled.
-        R_WC = (
-            Pose.from_rotvec((0.0, 0.0, azimuth)).rotation
-            @ Pose.from_rotvec((0.0, elevation, 0.0)).rotation
-            @ np.array(((0.0, 0.0, 1.0), (-1.0, 0.0, 0.0), (0.0, -1.0, 0.0)))
-            @ Pose.from_rotvec((0.0, 0.0, roll)).rotation
-        )
+        R_WC = looking_down(azimuth, tilt, roll)
         p_WC = middles_W[rng.integers(len(middles_W))] - R_WC @ p_C
         nearest = np.linalg.norm(np.concatenate((middles_W, others_W)) - p_WC, axis=1).min()
         inside = (np.abs(p_WC[:2]) < half_size - 0.1).all()

@@ -15,7 +15,7 @@ from maskval import Mesh, Pose, bop
 from maskval.bop import ImageCamera
 from sim.errors import DivergenceError
 from sim.images.generated import Recipe, make_image
-from sim.images.pictures import LabelledPicture
+from sim.images.pictures import LabelledPicture, Shot
 from sim.model.parts import load_part
 from sim.networks.random_streams import Streams
 from tests.experiments.command import command
@@ -30,6 +30,9 @@ WRONG = [  # arguments, words that the one line of error must hold
     (["--split", "a/b"], ["--split of letters, digits, _ and -", "got 'a/b'"]),
     (["--split", "models"], ["not models"]),
     (["--textured", "1.5"], ["--textured in 0..1", "got 1.5"]),
+    (["--distance-m", "0.8", "0.4"], ["--distance-m LOW HIGH in 0.25..3", "got 0.8 0.4"]),
+    (["--distance-m", "0.1", "0.4"], ["--distance-m LOW HIGH in 0.25..3", "got 0.1 0.4"]),
+    (["--elevation-deg", "50", "nan"], ["--elevation-deg LOW HIGH in 10..90", "got 50 nan"]),
     (["--textured", "nan"], ["--textured in 0..1", "got nan"]),
     (["--samples", "2"], ["--samples of 1, 3, 5, ...", "got 2"]),
     (["--samples", "0"], ["--samples of at least 1", "got 0"]),
@@ -86,7 +89,7 @@ def test_the_pictures_do_not_depend_on_the_number_of_workers(
     assert contents[0] == contents[1]
 
 
-def quick(model: object, renderer: object, streams: Streams, textured: float, views: int) -> LabelledPicture:
+def quick(model: object, renderer: object, streams: Streams, shot: Shot) -> LabelledPicture:
     """Stands in for a style where only files matter."""
     truth = make_image(load_part("antenna").part.mesh, CAMERA, Recipe(parts=(1, 1), clutter=(0, 0)), streams).truth
     black = np.zeros((480, 640, 3), dtype=np.uint8)

@@ -10,11 +10,11 @@ from scipy.stats import norm
 from cell.layout import default_camera
 from experiments.rendering.config import Style
 from sim.images import pictures, textures
-from sim.images.generated import Recipe, make_image
+from sim.images.generated import Recipe, make_image, scatter
 from sim.images.heap import drop
 from sim.images.photo_renderer import Photograph, PhotoRenderer
 from sim.images.photo_scene import SurfacedBody
-from sim.images.pictures import HEAP, STYLES, LabelledPicture, expose, paste
+from sim.images.pictures import HEAP, STYLES, LabelledPicture, Shot, expose, paste
 from sim.images.textures import background, texture
 from sim.instance_ids import NO_INSTANCE
 from sim.model.parts import PartModel
@@ -35,7 +35,7 @@ def renderer() -> Iterator[PhotoRenderer]:
 
 @pytest.fixture(scope="module")
 def pasted(renderer: PhotoRenderer, handle: PartModel) -> LabelledPicture:
-    return STYLES["s2"](handle, renderer, Streams(5, 1, "handle"), 0.5, 1)
+    return STYLES["s2"](handle, renderer, Streams(5, 1, "handle"), Shot())
 
 
 def test_a_pasted_picture_shows_what_make_image_scatters(pasted: LabelledPicture, handle: PartModel) -> None:
@@ -57,7 +57,7 @@ def test_only_bodies_have_depth_in_a_pasted_picture(pasted: LabelledPicture) -> 
 def test_a_heap_picture_has_depth_everywhere_and_parts_above_the_floor(
     renderer: PhotoRenderer, antenna: PartModel
 ) -> None:
-    picture = STYLES["s1"](antenna, renderer, Streams(5, 2, "antenna"), 0.5, 1)
+    picture = STYLES["s1"](antenna, renderer, Streams(5, 2, "antenna"), Shot())
     assert (picture.depth > 0.1).all()
     assert picture.X_CW is not None
     X_WC = picture.X_CW.inverse()
@@ -72,24 +72,44 @@ def test_a_heap_picture_has_depth_everywhere_and_parts_above_the_floor(
     assert floor.mean() > 0.1
 
 
-def test_cameras_stand_in_the_room_look_down_and_have_a_part_in_the_image(antenna: PartModel) -> None:
+@pytest.mark.parametrize(
+    ("shot", "least_deg", "span"),
+    [(Shot(), 25.0, HEAP.distance), (Shot(distance=(0.35, 0.8), elevation_deg=(50.0, 90.0)), 50.0, (0.35, 0.8))],
+)
+def test_cameras_stand_in_the_room_look_down_and_have_a_part_in_the_image(
+    antenna: PartModel, shot: Shot, least_deg: float, span: tuple[float, float]
+) -> None:
     heap = drop(antenna, 3, 4, 0.2, np.random.default_rng(0))
     half_size = np.array((1.6, 2.0))
     rng = np.random.default_rng(1)
     distances = []
     for _ in range(200):
-        X_CW = pictures._viewpoint(antenna, heap, CAMERA, half_size, rng)
+        X_CW = pictures._viewpoint(heap, antenna.part.mesh.center, CAMERA, half_size, shot=shot, rng=rng)
         X_WC = X_CW.inverse()
         assert (np.abs(X_WC.translation[:2]) < half_size).all()
         assert X_WC.translation[2] >= 0.15
-        assert X_WC.rotation[2, 2] <= -np.sin(np.radians(25)) + 1e-9
+        assert X_WC.rotation[2, 2] <= -np.sin(np.radians(least_deg)) + 1e-9
         middles = np.array([(X_CW @ X).apply(antenna.part.mesh.center) for X in heap.X_WO])
         inside = (np.abs(CAMERA.project(middles) - (320, 240)) < (0.3001 * 640, 0.3001 * 480)).all(axis=1)
-        aimed = inside & (middles[:, 2] >= HEAP.distance[0]) & (middles[:, 2] <= HEAP.distance[1])
+        aimed = inside & (middles[:, 2] >= span[0]) & (middles[:, 2] <= span[1])
         assert aimed.any()
         distances.append(middles[aimed, 2].min())
-    assert min(distances) < 0.5
-    assert max(distances) > 1.1
+    assert min(distances) < span[0] + 0.1
+    assert max(distances) > span[1] - 0.1
+
+
+def test_parts_in_the_air_are_turned_as_on_a_floor_that_is_seen_from_above(handle: PartModel) -> None:
+    recipe = Recipe(resting=handle.resting_poses, elevation_deg=(50.0, 90.0), clutter=(0, 0))
+    ups = np.array([pose.rotation[2] for pose in handle.resting_poses])  # in O, as is the direction to the camera
+    towards = [
+        -X_CO.rotation[2]
+        for number in range(30)
+        for _, X_CO, _ in scatter(handle.part.mesh, CAMERA, recipe, Streams(3, number, "handle"))
+    ]
+    elevations_deg = np.degrees(np.arcsin((np.array(towards) @ ups.T).max(axis=1)))
+    assert elevations_deg.min() >= 50 - 1e-6
+    assert elevations_deg.min() < 55
+    assert elevations_deg.max() > 80
 
 
 def test_pasting_shows_the_front_where_it_covers_and_the_background_elsewhere() -> None:
@@ -148,7 +168,7 @@ def test_a_picture_is_a_function_of_its_streams(antenna: PartModel) -> None:
     noting = Noting()
     for streams in (Streams(1, 0, "a"), Streams(1, 0, "a"), Streams(1, 1, "a"), Streams(2, 0, "a"), Streams(1, 0, "b")):
         with pytest.raises(InterruptedError):
-            STYLES["s2"](antenna, noting, streams, 0.5, 1)
+            STYLES["s2"](antenna, noting, streams, Shot())
     first = [bodies[0].X_CO for bodies in noting.seen]
     assert np.array_equal(first[0].matrix, first[1].matrix)
     assert len({X.translation.tobytes() for X in first}) == 4
@@ -158,7 +178,7 @@ def test_views_of_one_heap_differ_in_all_but_the_heap(antenna: PartModel) -> Non
     noting = Noting()
     for number in range(5):
         with pytest.raises(InterruptedError):
-            STYLES["s1"](antenna, noting, Streams(1, number, "a"), 0.5, 2)
+            STYLES["s1"](antenna, noting, Streams(1, number, "a"), Shot(views_per_heap=2))
 
     def between_first_two(view: int) -> NDArray[np.float64]:
         one, other = (body.X_CO for body in noting.seen[view][:2])
