@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from maskval import Camera, Pose
+from maskval import Camera, Correspondences, Pose
 
 if TYPE_CHECKING:
     from cell.trajectory import JointTrajectory
@@ -78,6 +78,19 @@ class MaskEstimator(Protocol):
         """The instances in the frame, in any order."""
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class PoseEstimate:
+    """A pose, and what it was computed from, for methods that judge by that.
+
+    Attributes:
+        X_CO_est: the estimated pose.
+        correspondences: points of the part and where they were seen.
+    """
+
+    X_CO_est: Pose
+    correspondences: Correspondences
+
+
 class PoseEstimator(Protocol):
     """A 6D pose network of the two-stage kind: pose i comes from detection i."""
 
@@ -89,8 +102,8 @@ class PoseEstimator(Protocol):
     def images(self) -> frozenset[Image]:
         """The images that it reads."""
 
-    def estimate(self, frame: Frame, detections: Sequence[Detection]) -> Sequence[Pose]:
-        """X_CO_est, one per detection."""
+    def estimate(self, frame: Frame, detections: Sequence[Detection]) -> Sequence[Pose | PoseEstimate]:
+        """X_CO_est, one per detection, with its correspondences if the network has such."""
 
 
 class Action(StrEnum):

@@ -4,6 +4,7 @@ from importlib.metadata import version
 
 from maskval.association import UNMATCHED, associate
 from maskval.camera import Camera
+from maskval.correspondences import Correspondences
 from maskval.errors import (
     ImplausibleInputError,
     ImplausibleInputWarning,
@@ -51,6 +52,7 @@ __all__ = [
     "Certificate",
     "Combined",
     "ContourDistance",
+    "Correspondences",
     "Counting",
     "DepthConsistency",
     "DepthCrop",

@@ -33,6 +33,10 @@ class NoiseFileError(SimError, ValueError):
     """An error model that is unknown, or whose file is unfit."""
 
 
+class NetworkError(SimError, RuntimeError):
+    """Learned networks that are missing, unfit, or of another part; or what runs them is not installed."""
+
+
 class MeshesMissingError(SimError, RuntimeError):
     """The optional meshes of the arm were asked for and are not installed."""
 

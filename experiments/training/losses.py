@@ -1,0 +1,88 @@
+"""What the networks are trained to make small."""
+
+from dataclasses import dataclass
+
+import torch
+from torch import Tensor
+from torch.nn import functional
+
+_MASK_WEIGHT, _HEAD_WEIGHT, _SCALE_WEIGHT, _VOTE_WEIGHT = 0.5, 1.0, 0.05, 1.0
+_CENTER_WEIGHT = 1.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PoseBatch:
+    """N crops and the truth about them.
+
+    Attributes:
+        images: (N, 3, H, W) in [0, 1].
+        coordinates: of S poses that look alike, (N, S, 3, h, w) in half sizes.
+        visible: (N, h, w), 1 where the part is seen.
+        head: u, v and logarithm of depth, (N, 3); see `sim.learned.coordinates.Maps`.
+    """
+
+    images: Tensor
+    coordinates: Tensor
+    visible: Tensor
+    head: Tensor
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class DetectorBatch:
+    """N pictures and the truth about them.
+
+    Attributes:
+        images: (N, 3, H, W) in [0, 1].
+        part: (N, h, w), 1 where a part is seen, 0 elsewhere, -1 where it does not count.
+        center: how near the middle of a part is, (N, h, w) in [0, 1], 1 there.
+        votes: from each pixel of a part to its middle, (N, 2, h, w); see `sim.learned.grouping`.
+    """
+
+    images: Tensor
+    part: Tensor
+    center: Tensor
+    votes: Tensor
+
+
+def pose_loss(outputs: tuple[Tensor, ...], batch: PoseBatch) -> dict[str, Tensor]:
+    """The terms of the pose network's loss, which is their sum.
+
+    The coordinates' error is that to the nearest of the poses that look alike, as a whole crop. What the network says
+    of its own errors is fitted by the likelihood of Laplace's distribution; that does not reach the errors themselves.
+    """
+    coordinates, log_scale, visible_logit, head = outputs
+    pixels = batch.visible.sum(dim=(1, 2)).clamp(min=1.0)
+    errors = (coordinates[:, None] - batch.coordinates).abs().mean(dim=2)  # (N, S, h, w)
+    of_each = (errors * batch.visible[:, None]).sum(dim=(2, 3)) / pixels[:, None]
+    least, best = of_each.min(dim=1)
+    own = errors[torch.arange(len(best)), best].detach()
+    log_scale = log_scale.clamp(-6.0, 2.0)
+    surprise = ((own * torch.exp(-log_scale) + log_scale) * batch.visible).sum(dim=(1, 2)) / pixels
+    off = (head[:, :3] - batch.head).abs()
+    log_sigma = head[:, 3].clamp(-6.0, 1.0)
+    unlikely = off[:, 2].detach() * torch.exp(-log_sigma) + log_sigma
+    return {
+        "coordinates": least.mean(),
+        "visible": _MASK_WEIGHT * functional.binary_cross_entropy_with_logits(visible_logit, batch.visible),
+        "head": _HEAD_WEIGHT * (off[:, :2].mean() + 3.0 * off[:, 2].mean()),
+        "scale": _SCALE_WEIGHT * (surprise.mean() + unlikely.mean()),
+    }
+
+
+def detector_loss(outputs: Tensor, batch: DetectorBatch) -> dict[str, Tensor]:
+    """The terms of the detector's loss, which is their sum; the centre's is CornerNet's focal loss."""
+    part, center, votes = outputs[:, 0], outputs[:, 1], outputs[:, 2:4]
+    counts = (batch.part >= 0).float()
+    truth = batch.part.clamp(min=0.0)
+    each = functional.binary_cross_entropy_with_logits(part, truth, reduction="none")
+    area = truth.sum().clamp(min=1.0)
+    probability = torch.sigmoid(center).clamp(1e-4, 1 - 1e-4)
+    peak = (batch.center == 1.0).float()
+    right = peak * (1 - probability) ** 2 * torch.log(probability)
+    wrong = (1 - peak) * (1 - batch.center) ** 4 * probability**2 * torch.log(1 - probability)
+    off = functional.smooth_l1_loss(votes, batch.votes, reduction="none", beta=0.05).sum(dim=1)
+    return {
+        "part": (each * counts).sum() / (4.0 * area),
+        "center": -_CENTER_WEIGHT * (right + wrong).sum() / peak.sum().clamp(min=1.0) / 4.0,
+        "votes": _VOTE_WEIGHT * (off * truth).sum() / area,
+    }
