@@ -84,11 +84,11 @@ class PoseEstimate:
 
     Attributes:
         X_CO_est: the estimated pose.
-        correspondences: points of the part and where they were seen.
+        correspondences: points of the part and where they were seen; None of a network that has none.
     """
 
     X_CO_est: Pose
-    correspondences: Correspondences
+    correspondences: Correspondences | None = None
 
 
 class PoseEstimator(Protocol):
@@ -148,6 +148,7 @@ class Observation:
         refining: whether this frame was taken to have another look.
         time_left: s until the part's time is up; an attempt that begins before is finished.
         inference_time: what the networks took for it, s of the cell's clock.
+        correspondences: of estimator 0's poses; None if it has none.
     """
 
     frame: Frame
@@ -157,6 +158,7 @@ class Observation:
     refining: bool
     time_left: float
     inference_time: float
+    correspondences: tuple[Correspondences, ...] | None = None
 
     def u(self, decision: Decision, detection: int) -> float:
         """The uncertainty that a decision about a detection was made upon."""

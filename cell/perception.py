@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from cell.errors import EstimatorError, UncertaintyError
 from cell.guards import TIME_LIMIT, guarded_call
-from cell.interfaces import Detection, Frame, Image, MaskEstimator, Observation, PoseEstimator, Station
+from cell.interfaces import Detection, Frame, Image, MaskEstimator, Observation, PoseEstimate, PoseEstimator, Station
 from cell.part import Part
 from cell.rounding import DIGITS, rounded
-from maskval import Estimates, InvalidEstimatesError, Pose, UncertaintyMethod, needs_of
+from maskval import Correspondences, Estimates, InvalidEstimatesError, Pose, UncertaintyMethod, needs_of
 from maskval.spelling import is_finite, shown
 
 MOST_INFERENCE = 60.0  # s of the cell's clock per picture, three time slots; beyond, only waiting is simulated
@@ -49,8 +49,9 @@ class Perception:
             EstimatorError: a network or the method says of itself what cannot be.
         """
         networks = self._networks()
-        depth = {Image.DEPTH} if needs_of(self.method).depth else set[Image]()
-        return frozenset(depth).union(*(network.images for network in networks))
+        needs = needs_of(self.method)
+        judged = {image for image, needed in ((Image.RGB, needs.rgb), (Image.DEPTH, needs.depth)) if needed}
+        return frozenset(judged).union(*(network.images for network in networks))
 
     @property
     def inference_time(self) -> float:
@@ -83,9 +84,11 @@ class Perception:
             EstimatorError: an estimator or the method raised, took too long, or returned what it should not.
         """
         detections = self._detect(frame)
-        poses = tuple(self._estimate(estimator, frame, detections) for estimator in self._used())
-        u = self.uncertainties(frame, detections, poses)
-        return Observation(frame, detections, poses, u, refining, time_left, self.inference_time)
+        estimates = [self._estimate(estimator, frame, detections) for estimator in self._used()]
+        poses = tuple(tuple(estimate.X_CO_est for estimate in each) for each in estimates)
+        points = _correspondences(estimates[0])
+        u = self.uncertainties(frame, detections, poses, points)
+        return Observation(frame, detections, poses, u, refining, time_left, self.inference_time, points)
 
     def _networks(self) -> tuple[MaskEstimator | PoseEstimator, ...]:
         networks: tuple[MaskEstimator | PoseEstimator, ...] = (self.detector, *self._used())
@@ -106,7 +109,11 @@ class Perception:
         return self.pose_estimators[:needed]
 
     def uncertainties(
-        self, frame: Frame, detections: Sequence[Detection], poses: tuple[tuple[Pose, ...], ...]
+        self,
+        frame: Frame,
+        detections: Sequence[Detection],
+        poses: tuple[tuple[Pose, ...], ...],
+        correspondences: tuple[Correspondences, ...] | None = None,
     ) -> NDArray[np.float64]:
         """The method's u of each detection, (N,) in [0, 1], to `DIGITS` decimals, read-only.
 
@@ -123,6 +130,8 @@ class Perception:
             pixel_center=self.pixel_center,
             depth=frame.depth,
             X_BC=frame.X_BC,
+            correspondences=correspondences,
+            rgb=frame.rgb,
         )
         told = self._guarded(self.method, frame, lambda: np.asarray(self.method(estimates)))
         if told.dtype.kind not in _NUMBERS or told.shape != (len(detections),) or not np.all((told >= 0) & (told <= 1)):
@@ -141,18 +150,27 @@ class Perception:
                 raise _error(detector, frame, wrong)
         return tuple(sorted(detections, key=by_score))
 
-    def _estimate(self, estimator: PoseEstimator, frame: Frame, detections: Sequence[Detection]) -> tuple[Pose, ...]:
+    def _estimate(
+        self, estimator: PoseEstimator, frame: Frame, detections: Sequence[Detection]
+    ) -> tuple[PoseEstimate, ...]:
         poses = self._guarded(estimator, frame, lambda: tuple(estimator.estimate(frame, detections)))
         if len(poses) != len(detections):
             raise _error(estimator, frame, f"expected {len(detections)} poses, one per detection, got {len(poses)}")
         for index, pose in enumerate(poses):
-            if not isinstance(pose, Pose):
+            if not isinstance(pose, Pose | PoseEstimate):
                 kind = type(pose).__name__
                 raise _error(estimator, frame, f"expected pose {index} to be a maskval.Pose, got {kind}")
-        return poses
+        return tuple(PoseEstimate(pose) if isinstance(pose, Pose) else pose for pose in poses)
 
     def _guarded(self, who: object, frame: Frame, call: Callable[[], T]) -> T:
         return guarded_call(call, self.time_limit, lambda what: _error(who, frame, what))
+
+
+def _correspondences(estimates: Sequence[PoseEstimate]) -> tuple[Correspondences, ...] | None:
+    """Those of all estimates; None where one has none."""
+    points = [estimate.correspondences for estimate in estimates]
+    known = tuple(each for each in points if each is not None)
+    return known if len(known) == len(points) else None
 
 
 def by_score(detection: Detection) -> float:

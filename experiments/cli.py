@@ -38,6 +38,7 @@ from experiments.rendering.config import RenderDataset
 from experiments.reporting.config import Report
 from experiments.setup.actors import Actors
 from experiments.setup.options_file import OPTION, with_options_file
+from experiments.training.config import Train
 from experiments.uq.config import Uq
 from experiments.video.config import Video
 from maskval.spelling import nearest
@@ -82,6 +83,7 @@ COMMANDS = {
     "gap": Command(FitGap, "experiments.prediction.gap_command:gap"),
     "predict": Command(Predict, "experiments.prediction.command:predict"),
     "render-dataset": Command(RenderDataset, "experiments.rendering.command:render_dataset"),
+    "train": Command(Train, "experiments.training.command:train"),
     "uq": Command(Uq, "experiments.uq.command:uq", engine=False),
     "part": Command(MakePart, "experiments.part.command:part"),
     "bench": Command(Bench, "experiments.commands.bench:bench"),

@@ -8,9 +8,12 @@ from numpy.typing import NDArray
 
 from maskval.arrays import check_kind, check_number, floats
 from maskval.camera import Camera
+from maskval.correspondences import Correspondences
 from maskval.errors import InvalidEstimatesError
 from maskval.geometry import Pose, as_pose, as_poses
 from maskval.mesh import Mesh
+
+_FLAGS = ("depth", "X_BC", "correspondences", "rgb")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -27,6 +30,8 @@ class Estimates:
         pixel_center: Where pixel i of the images is sampled, u = i + pixel_center.
         depth: Measured z-depth, (H, W), metres, 0 where nothing was measured; None without a depth camera.
         X_BC: Pose of the camera in a frame that stays where it is, such as the robot's base; None if unknown.
+        correspondences: What estimator 0 computed each of its poses from, N of them; None if it tells nothing of it.
+        rgb: The picture, (H, W, 3), uint8; None if it is not at hand.
 
     Raises:
         InvalidEstimatesError: If masks, poses and scores are not equally many, an image is not of the camera's
@@ -41,6 +46,8 @@ class Estimates:
     pixel_center: float = 0.0
     depth: NDArray[np.float32] | None = None
     X_BC: Pose | None = None
+    correspondences: tuple[Correspondences, ...] | None = None
+    rgb: NDArray[np.uint8] | None = None
 
     def __post_init__(self) -> None:
         check_kind("camera", self.camera, Camera, InvalidEstimatesError)
@@ -70,6 +77,12 @@ class Estimates:
             object.__setattr__(self, name, array)
         if self.depth is not None:
             object.__setattr__(self, "depth", _depth(self.depth, size))
+        if self.rgb is not None:
+            object.__setattr__(self, "rgb", _rgb(self.rgb, size))
+        if self.correspondences is not None and len(self.correspondences) != len(masks):
+            raise InvalidEstimatesError(
+                f"correspondences must be given for each of {len(masks)} masks, but are {len(self.correspondences)}"
+            )
 
     def __len__(self) -> int:
         return len(self.masks)
@@ -89,6 +102,15 @@ def _depth(image: NDArray[np.float32], size: tuple[int, int]) -> NDArray[np.floa
     return depth
 
 
+def _rgb(image: NDArray[np.uint8], size: tuple[int, int]) -> NDArray[np.uint8]:
+    rgb = np.asarray(image)
+    if rgb.shape != (*size, 3) or rgb.dtype != np.uint8:
+        raise InvalidEstimatesError(f"rgb must be uint8 of shape {(*size, 3)}, but is {rgb.dtype} of {rgb.shape}")
+    rgb = rgb.view()
+    rgb.setflags(write=False)
+    return rgb
+
+
 @dataclass(frozen=True, slots=True)
 class Needs:
     """What a method must be given beside the camera, the mesh, masks, scores and one estimator's poses.
@@ -97,6 +119,8 @@ class Needs:
         estimators: How many pose estimators, >= 1.
         depth: Whether the estimates must hold a depth image.
         X_BC: Whether they must hold the camera's pose: the method compares what several views of one scene show.
+        correspondences: Whether they must hold what the poses were computed from.
+        rgb: Whether they must hold the picture.
 
     Raises:
         InvalidEstimatesError: If `estimators` is no whole number >= 1, or another is not True or False.
@@ -105,11 +129,13 @@ class Needs:
     estimators: int = 1
     depth: bool = False
     X_BC: bool = False
+    correspondences: bool = False
+    rgb: bool = False
 
     def __post_init__(self) -> None:
         if isinstance(self.estimators, bool) or not isinstance(self.estimators, int) or self.estimators < 1:
             raise InvalidEstimatesError(f"estimators must be a whole number >= 1, but is {self.estimators!r}")
-        for name in ("depth", "X_BC"):
+        for name in _FLAGS:
             if not isinstance(getattr(self, name), bool):
                 raise InvalidEstimatesError(f"{name} must be True or False, but is {getattr(self, name)!r}")
 
@@ -118,8 +144,7 @@ class Needs:
         """What serves all of them."""
         return cls(
             estimators=max((needs.estimators for needs in each), default=1),
-            depth=any(needs.depth for needs in each),
-            X_BC=any(needs.X_BC for needs in each),
+            **{name: any(getattr(needs, name) for needs in each) for name in _FLAGS},
         )
 
 

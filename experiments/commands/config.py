@@ -78,6 +78,7 @@ class CellOptions:
             fresh_look=self.fresh_look,
             policy=policy,
             recorded=self.actors.recorded,
+            networks=self.actors.networks,
             time_limit=self.actors.time_limit,
             noise=self.actors.noise(part, experiment),
         )

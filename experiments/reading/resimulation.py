@@ -117,8 +117,9 @@ def _specs_of_cell(cell: Asked, path: Path) -> Iterator[ExperimentSpec]:
 def _compare_of(options: dict[str, Any]) -> Compare:
     """The command's options, as JSON has them, as they were parsed."""
     given = _with_tuples(options)
-    recorded = given["actors"]["recorded"]
-    actors = Actors(**{**given["actors"], "recorded": None if recorded is None else Path(recorded)})
+    folders = {name: given["actors"].get(name) for name in ("recorded", "networks")}
+    paths = {name: None if folder is None else Path(folder) for name, folder in folders.items()}
+    actors = Actors(**{**given["actors"], **paths})
     return Compare(**{**given, "actors": actors, "conditions": Conditions(**given["conditions"])})
 
 

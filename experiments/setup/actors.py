@@ -20,10 +20,13 @@ class Actors:
     """The estimators."""
 
     estimator: str = "noisy"
-    """noisy: masks and poses with realistic errors; oracle: exact ones, the ceiling; replay: those of --recorded; or
-    your own as package.module:Class."""
+    """noisy: masks and poses with realistic errors; oracle: exact ones, the ceiling; networks: trained ones that see
+    pictures; replay: those of --recorded; or your own as package.module:Class."""
     recorded: Path | None = None
     """Folder whose estimates --estimator replay repeats: written by compare or run, or BOP files."""
+    networks: Path | None = None
+    """Folder of trained networks for --estimator networks, as graspcell train writes it; those that come along for the
+    part by default."""
     gap: str = "none"
     """Domain gap of the noisy estimates. none: errors as on rendered images; fitted: errors as on real ones, as
     the paper's robot without UQ suggests, another draw for every experiment; or a gap.json of graspcell gap."""
@@ -32,11 +35,13 @@ class Actors:
 
     def check(self, part: str) -> None:
         """Raises UsageError unless the estimators exist and can be had for a part, which exists."""
-        from experiments.setup.estimators import check_estimator
+        from experiments.setup.estimators import check_estimator, check_networks
 
         if not 0 < self.time_limit <= MOST_TIME:
             raise UsageError(f"expected --time-limit above 0 s and at most {MOST_TIME:g} s, got {self.time_limit:g}")
-        check_estimator(self.estimator, self.recorded)
+        check_estimator(self.estimator, self.recorded, self.networks)
+        if self.estimator == "networks":
+            check_networks(self.networks, part)
         if self.gap != "none" and self.estimator != "noisy":
             raise UsageError(f"expected --estimator noisy with --gap {self.gap}, got {self.estimator}")
         self.noise(part, 0)

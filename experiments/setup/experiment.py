@@ -39,7 +39,7 @@ class ExperimentSpec:
     Attributes:
         part: name or TOML file of the part.
         method: name of the method.
-        estimator: noisy, oracle, replay, or `package.module:Class`.
+        estimator: noisy, oracle, networks, replay, or `package.module:Class`.
         thresholds: of all methods.
         speed: name of the speed preset.
         parts: how many lie on the belt.
@@ -49,6 +49,7 @@ class ExperimentSpec:
         maker_meshes: whether the arm is drawn with its maker's meshes; nothing else depends on it.
         policy: a name of `policies.POLICIES`, `package.module:Class`, or None for the method's own.
         recorded: the folder that is replayed.
+        networks: the folder of trained networks; None for those that come along.
         time_limit: s of the wall clock that an estimator, the method or the policy has per call.
         noise: other values of parameters of the part's error model, by "section.key".
         refine_distance: m from the estimated part at which it is looked at again.
@@ -67,6 +68,7 @@ class ExperimentSpec:
     maker_meshes: bool = False
     policy: str | None = None
     recorded: Path | None = None
+    networks: Path | None = None
     time_limit: float = TIME_LIMIT
     noise: tuple[tuple[str, float], ...] = ()
     refine_distance: float = REFINE_DISTANCE
@@ -147,7 +149,9 @@ def make_cycle(
     policy = make_policy(spec.policy, method, part, layout, spec.thresholds.refine)
     if estimators is None:
         setup = EstimatorSetup(part, layout.camera, PIXEL_CENTER, spec.seed, spec.experiment)
-        estimators = choose_estimators(spec.estimator, setup, spec.recorded, spec.method, spec.time_limit)
+        estimators = choose_estimators(
+            spec.estimator, setup, spec.method, spec.time_limit, recorded=spec.recorded, networks=spec.networks
+        )
     noise = load_noise(model.noise).changed(dict(spec.noise))
     episode = begin_episode(cell, streams, latest_truth, estimators, method.uncertainty, noise=noise)
     return Cycle(

@@ -3,13 +3,13 @@
 from contextlib import closing
 from dataclasses import dataclass
 from hashlib import sha256
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 
 from experiments.errors import UsageError
 from experiments.rendering.command import render_dataset
-from experiments.rendering.config import RenderDataset
+from experiments.rendering.config import RenderDataset, Style
 from experiments.results.provenance import write_json
 from experiments.setup.pool import run_all
 from experiments.training.config import Train
@@ -23,7 +23,7 @@ HELD_OUT = "held-out"
 _VIEWS = {
     "distance_m": (0.35, 0.80),
     "elevation_deg": (50.0, 90.0),
-}  # the cell's, from above at 0.40 to 0.65 m, and more
+}  # those of the cell, and more
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,8 +41,8 @@ def train(config: Train) -> int:
         UsageError: an invalid argument.
     """
     config.check()
-    for pictures in _sets(config):
-        _render(pictures)
+    for needed in _sets(config):
+        _render(needed)
     with closing(run_all(train_network, [Task(config, name) for name in NETWORKS], config.workers)) as exported:
         list(exported)
     model = load_part(config.object)
@@ -67,23 +67,13 @@ def train_network(task: Task) -> None:
 def _sets(config: Train) -> list[RenderDataset]:
     """The sets of pictures that the networks are trained and measured on."""
     common: dict[str, Any] = {"object": config.object, "samples": 1, "rgb": "jpg", "jobs": config.jobs, **_VIEWS}
+    common["seed"] = config.seed
     folder = config.pictures_folder
     trained = [
-        RenderDataset(
-            style=style,
-            split="train",
-            images=config.images,
-            views_per_heap=5,
-            seed=config.seed,
-            out=folder / style,
-            **common,
-        )
-        for style in STYLES
+        RenderDataset(style=style, split="train", images=config.images, views_per_heap=5, out=folder / style, **common)
+        for style in get_args(Style)
     ]
-    return [
-        *trained,
-        RenderDataset(split=HELD_OUT, images=config.held_out, seed=config.seed, out=folder / HELD_OUT, **common),
-    ]
+    return [*trained, RenderDataset(split=HELD_OUT, images=config.held_out, out=folder / HELD_OUT, **common)]
 
 
 def _render(pictures: RenderDataset) -> None:

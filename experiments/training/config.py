@@ -13,8 +13,9 @@ from experiments.setup.checks import all_at_least, worker_count, writable_folder
 class Train:
     """Train a detector and two pose networks for a part on rendered pictures, for --estimator networks.
 
-    Renders what is missing of the pictures (s1, s2 and held-out in --pictures), trains, and writes detector.onnx, s1.onnx,
-    s2.onnx and manifest.json to --out. The same command again goes on where it was stopped, also with more steps.
+    Renders what is missing of the pictures (s1, s2 and held-out in --pictures), trains, and writes detector.onnx,
+    s1.onnx, s2.onnx and manifest.json to --out. The same command again goes on where it was stopped, also with more
+    steps.
     """
 
     object: str = "antenna"

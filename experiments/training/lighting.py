@@ -18,4 +18,5 @@ def relit(image: NDArray[np.uint8], rng: np.random.Generator) -> NDArray[np.floa
     if blur > 0.3:
         lit = cv2.GaussianBlur(lit, (3, 3), blur)
     noisy = lit + noise * rng.standard_normal(image.shape[:2], dtype=np.float32)[..., None]
-    return np.clip(noisy, 0.0, 1.0)
+    clipped: NDArray[np.float64] = np.clip(noisy, 0.0, 1.0).astype(np.float64)
+    return clipped

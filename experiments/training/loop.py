@@ -13,6 +13,7 @@ from typing import Any, Generic, TypeVar
 import torch
 from torch import Tensor, nn
 
+from experiments.errors import UsageError
 from experiments.progress import bar
 
 WARM_UP = 200  # steps
@@ -95,7 +96,7 @@ class _Trainer:
         self._optimizer.step()
         self.step += 1
         self._remember(terms)
-        if not math.isfinite(float(total)):
+        if not math.isfinite(total.item()):
             raise FloatingPointError(f"{self._course.name}: the loss left the finite numbers at step {self.step}")
         return self._means
 
@@ -128,7 +129,10 @@ class _Trainer:
         if kept["step"] > falls and kept["steps"] != self._course.steps:
             return False
         self.step = kept["step"]
-        self._network.load_state_dict(kept["network"])
+        try:
+            self._network.load_state_dict(kept["network"])
+        except RuntimeError as error:
+            raise UsageError(f"{path} is of another network: delete it, or choose another --out") from error
         self._average = kept["average"]
         self._optimizer.load_state_dict(kept["optimizer"])
         return True

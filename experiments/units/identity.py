@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from experiments.setup.experiment import ExperimentSpec
 
 LIBRARIES = ("mujoco", "numpy", "numba", "scipy", "opencv-python-headless", "ruckig", "trimesh")
+_NETWORK_FILES = (".onnx", ".json")
 _ROOT = Path(__file__).parents[2]
 _DECIDING = ("maskval", "cell", "sim", "policies", "experiments/setup", "experiments/results")
 
@@ -60,6 +61,7 @@ def describe(spec: "ExperimentSpec") -> Description:
             "estimator": spec.estimator,
             "estimator_plug_in": _plug_ins((spec.estimator,)),
             "recorded": None if spec.recorded is None else _digest(_contents(spec.recorded)),
+            "networks": _networks(spec),
             "u_refine": spec.thresholds.refine,
             "conditions": asdict(spec.conditions),
             "refine_distance": spec.refine_distance,
@@ -71,6 +73,17 @@ def describe(spec: "ExperimentSpec") -> Description:
     }
     as_json: Description = json.loads(canonical(description))
     return as_json
+
+
+def _networks(spec: "ExperimentSpec") -> str | None:
+    """The digest of the trained networks that are used; None without such."""
+    from sim.learned.weights import networks_of
+    from sim.model.parts import load_part
+
+    if spec.estimator != "networks":
+        return None
+    folder = networks_of(load_part(spec.part).part.name, spec.networks).folder
+    return _digest((file.name, file.read_bytes()) for file in sorted(folder.iterdir()) if file.suffix in _NETWORK_FILES)
 
 
 def unit_name(description: Mapping[str, Any]) -> str:

@@ -115,7 +115,7 @@ def _uncertainties(
 ) -> dict[str, Array]:
     """The u of all detections by method; the perception has already called the first method."""
     first, *others = methods
-    seen = observation.frame, observation.detections, observation.poses
+    seen = observation.frame, observation.detections, observation.poses, observation.correspondences
     asked = {name: replace(perception, method=methods[name]).uncertainties(*seen) for name in others}
     return {first: observation.uncertainties} | asked
 

@@ -7,15 +7,28 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cell.interfaces import Detection, Frame, Image, PoseEstimate
+from cell.part import Part
 from maskval import Camera, Mesh
 from sim.learned.coordinates import CROP_SIZE, Maps, ObjectCoordinates, estimate_of
 from sim.learned.crops import CropView, Square, cut
 from sim.learned.grouping import Instance, instances
-from sim.learned.weights import DETECTOR, Network, TrainedNetworks
+from sim.learned.weights import DETECTOR, STYLES, Network, TrainedNetworks
 
 DETECTOR_SIZE = (240, 320)  # height and width of what the detector is given
 LEAST_SCORE = 0.3
 _RGB = frozenset({Image.RGB})
+
+
+def learned_estimators(
+    networks: TrainedNetworks, part: Part
+) -> tuple["LearnedMasks", tuple["LearnedPoses", "LearnedPoses"]]:
+    """The detector and the pose networks of both styles.
+
+    Raises:
+        NetworkError: they are of another part, cannot be read, or onnxruntime is missing.
+    """
+    first, second = (LearnedPoses(networks, style, part.mesh) for style in STYLES)
+    return LearnedMasks(networks), (first, second)
 
 
 class LearnedMasks:
@@ -68,7 +81,7 @@ class LearnedPoses:
 def find(detector: Network, rgb: NDArray[np.uint8]) -> list[Instance]:
     """The instances that a detector finds in a picture, (H, W, 3)."""
     height, width = rgb.shape[:2]
-    small = np.asarray(cv2.resize(rgb, DETECTOR_SIZE[::-1], interpolation=cv2.INTER_AREA))
+    small = np.asarray(cv2.resize(rgb, DETECTOR_SIZE[::-1], interpolation=cv2.INTER_AREA), dtype=np.uint8)
     (maps,) = detector(_as_input(small[None]))
     found = instances(maps[0, 0], maps[0, 1], maps[0, 2:4], (height, width))
     return [one for one in found if one.score >= LEAST_SCORE]

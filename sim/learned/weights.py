@@ -81,6 +81,15 @@ class TrainedNetworks:
         return open_network(self.folder / f"{name}.onnx")
 
 
+def networks_of(part: str, folder: Path | None = None) -> TrainedNetworks:
+    """The networks of a folder, or those that come along for a part.
+
+    Raises:
+        NetworkError: there are none, or the manifest is unfit.
+    """
+    return load_networks(SHIPPED / part if folder is None else folder)
+
+
 def load_networks(folder: Path) -> TrainedNetworks:
     """The networks of a folder.
 
