@@ -31,13 +31,14 @@ from maskval.geometry import Pose, PoseLike, PosesLike, angle_between
 from maskval.intervals import bootstrap_mean_interval, mean_interval, proportion_interval
 from maskval.masks import PackedMasks, mask_from_rle, mask_iou, rle_counts
 from maskval.mesh import Mesh
-from maskval.methods import METHODS
+from maskval.methods import CORRESPONDENCE_METHODS, METHODS
 from maskval.methods.baselines import DetectorScore, NoUncertainty, RandomUncertainty
 from maskval.methods.combined import Combined
 from maskval.methods.depth_agreement import DepthConsistency
 from maskval.methods.ensemble import Ensemble
 from maskval.methods.mask_agreement import MaskVal, Uncertainties, maskval_uncertainty, uncertainty
 from maskval.methods.outline_agreement import ContourDistance, chamfer_distance
+from maskval.methods.point_agreement import InlierShare, PnpCovariance
 from maskval.methods.view_agreement import TemporalConsistency
 from maskval.pose_errors import add, add_s, mdd, mspd, mssd, rotation_error, translation_error
 from maskval.rendering.depth import DepthCrop, depth_crop, depth_image
@@ -45,6 +46,7 @@ from maskval.rendering.silhouettes import Silhouette, silhouette, silhouette_box
 from maskval.symmetry import SymmetryAxis, symmetry_poses
 
 __all__ = [
+    "CORRESPONDENCE_METHODS",
     "METHODS",
     "NO_PART",
     "UNMATCHED",
@@ -64,6 +66,7 @@ __all__ = [
     "ImplausibleInputError",
     "ImplausibleInputWarning",
     "InexactRotationWarning",
+    "InlierShare",
     "InvalidArgumentError",
     "InvalidCameraError",
     "InvalidEstimatesError",
@@ -80,6 +83,7 @@ __all__ = [
     "Needs",
     "NoUncertainty",
     "PackedMasks",
+    "PnpCovariance",
     "Pose",
     "PoseLike",
     "PosesLike",

@@ -57,6 +57,8 @@ class CellOptions:
             raise UsageError(f"expected parts of different names for --objects, got {' '.join(objects)}")
         for part in objects:
             self.actors.check(part)
+        for method in methods:
+            self.actors.check_method(method)
         for part, method, policy in product(objects, methods, policies):
             check_policy(policy, part, method, thresholds)
 
@@ -133,7 +135,8 @@ class Compare(CellOptions):
 
         check_cell(self.parts, self.seed, self.speed)
         all_at_least(self, experiments=1, jobs=0)
-        methods, policies = named_methods(self.methods), self.policy or (None,)
+        methods = named_methods(self.methods, correspondences=self.actors.tells_correspondences)
+        policies = self.policy or (None,)
         thresholds = load_thresholds(self.thresholds).with_told(self.u_grasp, methods)
         self._check(self.objects, methods, policies, thresholds)
         check_not_recorded(self.out, self.actors.recorded)

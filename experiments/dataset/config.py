@@ -67,9 +67,9 @@ class Dataset:
     @property
     def named_methods(self) -> tuple[str, ...]:
         """The methods, with "all" for every one that can judge a single image."""
-        from experiments.setup.methods import METHODS
+        from experiments.setup.methods import named_methods
 
-        every = tuple(name for name in METHODS if name not in ("none", "temporal"))
+        every = tuple(name for name in named_methods(["all"]) if name not in ("none", "temporal"))
         return every if list(self.methods) == ["all"] else self.methods
 
     @property

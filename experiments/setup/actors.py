@@ -46,6 +46,23 @@ class Actors:
             raise UsageError(f"expected --estimator noisy with --gap {self.gap}, got {self.estimator}")
         self.noise(part, 0)
 
+    @property
+    def tells_correspondences(self) -> bool:
+        """Whether the estimators of the package tell what they computed their poses from; others may."""
+        from experiments.setup.estimators import LEARNED
+
+        return self.estimator == LEARNED
+
+    def check_method(self, name: str) -> None:
+        """Raises UsageError if a method of the library needs correspondences that the estimators do not tell."""
+        from experiments.setup.estimators import KNOWN
+        from maskval import CORRESPONDENCE_METHODS
+
+        if name in CORRESPONDENCE_METHODS and self.estimator in KNOWN and not self.tells_correspondences:
+            raise UsageError(
+                f"expected --estimator networks with {name}, which judges correspondences, got {self.estimator}"
+            )
+
     def noise(self, part: str, experiment: int) -> "ErrorModel":
         """The changes of an experiment to the error model of its part, which exists.
 

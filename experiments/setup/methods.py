@@ -70,14 +70,21 @@ METHODS: dict[str, Callable[[Context], UncertaintyMethod]] = {
     "random": _random,
     "oracle-mask": lambda context: OracleMask(context.latest_truth),
     "oracle-mdd": lambda context: OracleMdd(context.latest_truth),
+    **{name: _regardless(make) for name, make in maskval.CORRESPONDENCE_METHODS.items()},
 }
 
 NEEDS_NO_THRESHOLD = ("none",)
 
 
-def named_methods(names: Sequence[str]) -> tuple[str, ...]:
-    """The names, with "all" for every method of `METHODS`."""
-    return tuple(METHODS) if list(names) == ["all"] else tuple(names)
+def named_methods(names: Sequence[str], *, correspondences: bool = False) -> tuple[str, ...]:
+    """The names, with "all" for every method of `METHODS`.
+
+    Args:
+        names: what was asked for.
+        correspondences: whether the estimators tell theirs; "all" leaves out methods that need them otherwise.
+    """
+    every = tuple(name for name in METHODS if correspondences or name not in maskval.CORRESPONDENCE_METHODS)
+    return every if list(names) == ["all"] else tuple(names)
 
 
 def make_uncertainty(name: str, context: Context) -> UncertaintyMethod:

@@ -1,5 +1,6 @@
 """Names for help texts, without loading what they name: `--help` does not wait. A test compares both."""
 
+from maskval import CORRESPONDENCE_METHODS as _OF_CORRESPONDENCES
 from maskval import METHODS as _OF_THE_LIBRARY
 
 METHOD_NAMES = (
@@ -7,6 +8,7 @@ METHOD_NAMES = (
     "random",
     "oracle-mask",
     "oracle-mdd",
+    *_OF_CORRESPONDENCES,
 )  # the keys of experiments.setup.methods.METHODS
 POLICY_NAMES = ("always", "best-of-view", "threshold", "patient", "next-best-view", "fuse")  # of policies.POLICIES
 OWN = "or your own as package.module:Class"

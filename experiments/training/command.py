@@ -55,9 +55,9 @@ def train(config: Train) -> int:
 
 def train_network(task: Task) -> None:
     """Trains one network and writes it as ONNX."""
-    from experiments.training.courses import course  # noqa: PLC0415  # PyTorch takes seconds, in a worker only
-    from experiments.training.export import export  # noqa: PLC0415
-    from experiments.training.loop import train as run  # noqa: PLC0415
+    from experiments.training.networks.courses import course  # noqa: PLC0415  # PyTorch takes seconds, in a worker only
+    from experiments.training.networks.export import export  # noqa: PLC0415
+    from experiments.training.networks.loop import train as run  # noqa: PLC0415
 
     style = task.network if task.network in STYLES else STYLES[0]
     trained = run(course(task.network, task.config, task.config.pictures_folder / style), task.config.out / "state")

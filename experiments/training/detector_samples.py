@@ -5,11 +5,10 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
-import torch
 from numpy.typing import NDArray
 
+from experiments.training.batches import DetectorBatch
 from experiments.training.lighting import relit
-from experiments.training.losses import DetectorBatch
 from experiments.training.pictures import TruePicture
 from sim.learned.estimators import DETECTOR_SIZE
 from sim.learned.grouping import VOTE_SCALE
@@ -63,14 +62,14 @@ class DetectorSamples:
     def __init__(self, pictures: list[StoredPicture], *, size: int, seed: int) -> None:
         self._pictures, self._size, self._seed = pictures, size, seed
 
-    def batch(self, step: int) -> DetectorBatch:
+    def batch(self, step: int) -> DetectorBatch[Floats]:
         """The batch of a step."""
         rng = np.random.default_rng((self._seed, step))
         chosen = rng.integers(len(self._pictures), size=self._size)
         samples = [_sample(self._pictures[index], rng) for index in chosen]
         images, parts, centers, votes = (np.stack(arrays) for arrays in zip(*samples, strict=True))
         pixels = np.ascontiguousarray(images.transpose(0, 3, 1, 2), dtype=np.float32)
-        return DetectorBatch(*(torch.from_numpy(array) for array in (pixels, parts, centers, votes)))
+        return DetectorBatch(pixels, parts, centers, votes)
 
 
 def _sample(stored: StoredPicture, rng: np.random.Generator) -> tuple[NDArray[np.float64], Floats, Floats, Floats]:

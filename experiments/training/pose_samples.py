@@ -5,11 +5,10 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
-import torch
 from numpy.typing import NDArray
 
+from experiments.training.batches import PoseBatch
 from experiments.training.lighting import relit
-from experiments.training.losses import PoseBatch
 from experiments.training.pictures import TruePicture
 from maskval import Camera, Mesh, Pose
 from maskval.rendering.depth import depth_image
@@ -75,16 +74,14 @@ class PoseSamples:
         self._alike = alike
         self._coordinates = ObjectCoordinates.of(mesh)
 
-    def batch(self, step: int) -> PoseBatch:
+    def batch(self, step: int) -> PoseBatch[NDArray[np.float32]]:
         """The batch of a step."""
         rng = np.random.default_rng((self._seed, step))
         chosen = rng.integers(len(self._crops), size=self._size)
         samples = [self._sample(self._crops[index], rng) for index in chosen]
         images, coordinates, visible, heads = (np.stack(arrays) for arrays in zip(*samples, strict=True))
-        pixels = np.ascontiguousarray(images.transpose(0, 3, 1, 2))
-        return PoseBatch(
-            *(torch.from_numpy(array.astype(np.float32)) for array in (pixels, coordinates, visible, heads))
-        )
+        arrays = images.transpose(0, 3, 1, 2), coordinates, visible, heads
+        return PoseBatch(*(np.ascontiguousarray(array, dtype=np.float32) for array in arrays))
 
     def _sample(self, crop: StoredCrop, rng: np.random.Generator) -> tuple[Floats, Floats, Floats, Floats]:
         view = CropView(_shaken(crop.square, rng), crop.camera, CROP_SIZE)

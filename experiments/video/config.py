@@ -92,7 +92,8 @@ class Video(CellOptions):
         from experiments.video.shots import MOST
 
         check_cell(self.parts, self.seed, self.speed)
-        methods, part = named_methods(self.methods or ("maskval",)), self.object or "antenna"
+        methods = named_methods(self.methods or ("maskval",), correspondences=self.actors.tells_correspondences)
+        part = self.object or "antenna"
         if len(methods) > MOST or len(set(methods)) < len(methods):
             raise UsageError(f"expected 1 to {MOST} different names for --methods, got {' '.join(methods)}")
         thresholds = load_thresholds(self.thresholds).with_told(self.u_grasp, methods)

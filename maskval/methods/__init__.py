@@ -9,6 +9,7 @@ from maskval.methods.depth_agreement import DepthConsistency
 from maskval.methods.ensemble import Ensemble
 from maskval.methods.mask_agreement import MaskVal
 from maskval.methods.outline_agreement import ContourDistance
+from maskval.methods.point_agreement import InlierShare, PnpCovariance
 from maskval.methods.view_agreement import TemporalConsistency
 
 # Each call makes a new one: "temporal" remembers what it has seen. The scales of the ensembles begin at 0.
@@ -25,4 +26,10 @@ METHODS: dict[str, Callable[[], UncertaintyMethod]] = {
     "depth": DepthConsistency,
     "score": DetectorScore,
     "temporal": TemporalConsistency,
+}
+
+# Those that need an estimator which tells its correspondences.
+CORRESPONDENCE_METHODS: dict[str, Callable[[], UncertaintyMethod]] = {
+    "inliers": InlierShare,
+    "pnp-covariance": PnpCovariance,
 }

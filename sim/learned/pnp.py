@@ -18,7 +18,7 @@ _NEAREST = 0.05  # m: no pose is nearer to the camera
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class DepthEstimate:
     """What a network says of the depth of a point of the object.
 
@@ -69,8 +69,8 @@ def _refine(start: Pose, found: Correspondences, camera: Camera, depth: DepthEst
     X_CO, damping = start, 1e-3
     cost, H, g = _normal_equations(X_CO, found, camera, depth, weight)
     for _ in range(_STEPS):
-        step = -np.linalg.solve(H + damping * np.diag(np.diag(H)), g)
-        moved = Pose(Pose.from_rotvec(step[:3]).rotation @ X_CO.rotation, X_CO.translation + step[3:])
+        step = -np.asarray(np.linalg.solve(H + damping * np.diag(np.diag(H)), g), dtype=np.float64)
+        moved = _moved(X_CO, depth.point_O, step)
         if moved.apply(found.points_O)[:, 2].min() < _NEAREST:
             damping *= 10.0
             continue
@@ -85,20 +85,25 @@ def _refine(start: Pose, found: Correspondences, camera: Camera, depth: DepthEst
     return X_CO
 
 
+def _moved(X_CO: Pose, point_O: Array, step: Array) -> Pose:
+    """The pose turned about a point of the object, then shifted: the depth of the point then depends on no turn."""
+    R_CO = Pose.from_rotvec(step[:3]).rotation @ X_CO.rotation
+    return Pose(R_CO, X_CO.apply(point_O) + step[3:] - R_CO @ point_O)
+
+
 def _normal_equations(
     X_CO: Pose, found: Correspondences, camera: Camera, depth: DepthEstimate, weight: float
 ) -> tuple[float, Array, Array]:
-    """Cost, approximate second derivatives and gradient of the cost by a turn and a shift."""
-    points_C = X_CO.apply(found.points_O)
+    """Cost, approximate second derivatives and gradient of the cost by a step of `_moved`."""
+    points_C, point_C = X_CO.apply(found.points_O), X_CO.apply(depth.point_O)
     errors = (camera.project(points_C) - found.pixels) / found.sigma_px[:, None]
-    J = jacobian(points_C, X_CO.translation, camera) / found.sigma_px[:, None, None]
+    J = jacobian(points_C, point_C, camera) / found.sigma_px[:, None, None]
     squares = np.sum(errors**2, axis=1) / _OUTLIER**2
     w = weight / (1.0 + squares)
     H = np.einsum("i,ijk,ijl->kl", w, J, J, optimize=True)
     g = np.einsum("i,ijk,ij->k", w, J, errors, optimize=True)
-    arm = X_CO.rotation @ depth.point_O
-    z = max(arm[2] + X_CO.translation[2], _NEAREST)
+    z = max(point_C[2], _NEAREST)
     error = (np.log(z) - depth.log_depth) / depth.sigma
-    j = np.array((arm[1], -arm[0], 0.0, 0.0, 0.0, 1.0)) / (z * depth.sigma)
+    j = np.array((0.0, 0.0, 0.0, 0.0, 0.0, 1.0)) / (z * depth.sigma)
     cost = weight * _OUTLIER**2 * np.log1p(squares).sum() + error**2
     return float(cost), H + np.outer(j, j), g + j * error

@@ -37,7 +37,7 @@ def test_the_job_of_a_command_takes_its_configuration_and_returns_an_exit_code(n
 
 
 def test_no_two_commands_share_a_configuration() -> None:
-    assert len(COMMANDS) == 19
+    assert len(COMMANDS) == 20
     assert len({one.config for one in COMMANDS.values()}) == len(COMMANDS)
 
 

@@ -3,7 +3,7 @@ from pathlib import Path
 import pytest
 
 from experiments.errors import UsageError
-from experiments.setup.methods import METHODS
+from experiments.setup.methods import named_methods
 from experiments.setup.thresholds import Thresholds, load_thresholds
 
 GOOD = """
@@ -109,7 +109,7 @@ def test_the_preset_derived_has_a_threshold_for_every_method_that_a_test_image_c
     derived = load_thresholds("derived")
     assert derived.refine == 0.6
     assert set(derived.ensemble_add_minimum) == {"antenna", "handle"}
-    needing = [name for name in METHODS if name not in ("none", "temporal")]
+    needing = [name for name in named_methods(["all"]) if name not in ("none", "temporal")]
     for part in ("antenna", "handle"):
         assert all(0.0 <= derived.of(part, name) <= 1.0 for name in needing)
         assert derived.caveat(part, "maskval") is None

@@ -1,50 +1,16 @@
 """What the networks are trained to make small."""
 
-from dataclasses import dataclass
-
 import torch
 from torch import Tensor
 from torch.nn import functional
+
+from experiments.training.batches import DetectorBatch, PoseBatch
 
 _MASK_WEIGHT, _HEAD_WEIGHT, _SCALE_WEIGHT, _VOTE_WEIGHT = 0.5, 1.0, 0.05, 1.0
 _CENTER_WEIGHT = 1.0
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class PoseBatch:
-    """N crops and the truth about them.
-
-    Attributes:
-        images: (N, 3, H, W) in [0, 1].
-        coordinates: of S poses that look alike, (N, S, 3, h, w) in half sizes.
-        visible: (N, h, w), 1 where the part is seen.
-        head: u, v and logarithm of depth, (N, 3); see `sim.learned.coordinates.Maps`.
-    """
-
-    images: Tensor
-    coordinates: Tensor
-    visible: Tensor
-    head: Tensor
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class DetectorBatch:
-    """N pictures and the truth about them.
-
-    Attributes:
-        images: (N, 3, H, W) in [0, 1].
-        part: (N, h, w), 1 where a part is seen, 0 elsewhere, -1 where it does not count.
-        center: how near the middle of a part is, (N, h, w) in [0, 1], 1 there.
-        votes: from each pixel of a part to its middle, (N, 2, h, w); see `sim.learned.grouping`.
-    """
-
-    images: Tensor
-    part: Tensor
-    center: Tensor
-    votes: Tensor
-
-
-def pose_loss(outputs: tuple[Tensor, ...], batch: PoseBatch) -> dict[str, Tensor]:
+def pose_loss(outputs: tuple[Tensor, ...], batch: PoseBatch[Tensor]) -> dict[str, Tensor]:
     """The terms of the pose network's loss, which is their sum.
 
     The coordinates' error is that to the nearest of the poses that look alike, as a whole crop. What the network says
@@ -69,7 +35,7 @@ def pose_loss(outputs: tuple[Tensor, ...], batch: PoseBatch) -> dict[str, Tensor
     }
 
 
-def detector_loss(outputs: Tensor, batch: DetectorBatch) -> dict[str, Tensor]:
+def detector_loss(outputs: Tensor, batch: DetectorBatch[Tensor]) -> dict[str, Tensor]:
     """The terms of the detector's loss, which is their sum; the centre's is CornerNet's focal loss."""
     part, center, votes = outputs[:, 0], outputs[:, 1], outputs[:, 2:4]
     counts = (batch.part >= 0).float()

@@ -6,7 +6,7 @@ a run that is to have more steps later goes on from there as if it had been aske
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any, Generic, TypeVar
 
@@ -71,12 +71,20 @@ def _rate(course: Course[Any], step: int) -> float:
     return course.rate * min((step + 1) / WARM_UP, 1.0, max(left, 0.02))
 
 
+def _tensors(batch: Any, device: torch.device) -> Any:
+    """The batch with tensors in place of its arrays."""
+    return replace(
+        batch, **{field.name: torch.from_numpy(getattr(batch, field.name)).to(device) for field in fields(batch)}
+    )
+
+
 class _Trainer:
     """A network with its optimiser, its averaged weights and the number of steps done."""
 
     def __init__(self, course: Course[Any]) -> None:
         self._course, self.step = course, 0
-        self._network = course.network.to(memory_format=torch.channels_last)
+        self._device = torch.device("cuda" if torch.cuda.is_available() else "cpu")
+        self._network = course.network.to(self._device, memory_format=torch.channels_last)
         self._average = {name: value.clone() for name, value in self._network.state_dict().items()}
         self._optimizer = torch.optim.AdamW(self._network.parameters(), lr=course.rate, weight_decay=_WEIGHT_DECAY)
         self._means: dict[str, float] = {}
@@ -85,7 +93,7 @@ class _Trainer:
         """One step; returns the running means of the terms of the loss."""
         for group in self._optimizer.param_groups:
             group["lr"] = rate
-        batch = self._course.batch(self.step)
+        batch = _tensors(self._course.batch(self.step), self._device)
         self._network.train()
         images = batch.images.contiguous(memory_format=torch.channels_last)
         terms = self._course.loss(self._network(images), batch)
@@ -103,7 +111,7 @@ class _Trainer:
     def averaged(self) -> nn.Module:
         """The network with the averaged weights, for use."""
         self._network.load_state_dict(self._average)
-        return self._network.eval()
+        return self._network.eval().cpu()
 
     def save(self, path: Path) -> None:
         """Keeps the state; a run that is killed meanwhile leaves the earlier one."""
@@ -125,7 +133,7 @@ class _Trainer:
         """Goes on from a kept state if it lies on the way: from one of the fall only with the same number of steps."""
         if not path.exists():
             return False
-        kept = torch.load(path, weights_only=True)
+        kept = torch.load(path, map_location=self._device, weights_only=True)
         if kept["step"] > falls and kept["steps"] != self._course.steps:
             return False
         self.step = kept["step"]

@@ -7,9 +7,9 @@ import torch
 
 from experiments.training.config import Train
 from experiments.training.detector_samples import DetectorSamples, stored_pictures
-from experiments.training.layers import DetectorNetwork, PoseNetwork
-from experiments.training.loop import Course
-from experiments.training.losses import detector_loss, pose_loss
+from experiments.training.networks.layers import DetectorNetwork, PoseNetwork
+from experiments.training.networks.loop import Course
+from experiments.training.networks.losses import detector_loss, pose_loss
 from experiments.training.pictures import looks_alike, read_pictures
 from experiments.training.pose_samples import PoseSamples, stored_crops
 from sim.learned.weights import DETECTOR
