@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from cell.errors import EstimatorError, UncertaintyError
-from cell.interfaces import Detection, Frame, Image, Observation
+from cell.interfaces import Detection, Frame, Image, Observation, PoseEstimate
 from cell.perception import Perception
-from maskval import Ensemble, Pose
+from maskval import Correspondences, Ensemble, Needs, Pose
 from tests.fakes import FakeMasks, FakeMethod, FakePoses, FakeStation, brick, on_belt, small_layout, turned
 
 LAYOUT = small_layout()
@@ -236,3 +236,38 @@ def test_uncertainties_belong_to_the_observation_and_cannot_be_written():
     assert observation.uncertainties.tolist() == [0.5]
     with pytest.raises(ValueError, match="read-only"):
         observation.uncertainties[0] = 0.0
+
+
+class Pointing(FakePoses):
+    """A network that tells where it saw the part's origin."""
+
+    def estimate(self, frame: Frame, detections: Sequence[Detection]) -> list[Any]:
+        seen = super().estimate(frame, detections)
+        points = [Correspondences(np.zeros((1, 3)), [[i, i]], [1.0]) for i in range(len(seen))]
+        return [PoseEstimate(pose, point) for pose, point in zip(seen, points, strict=True)]
+
+
+def test_correspondences_go_to_the_method_and_into_the_observation_beside_plain_poses():
+    method = FakeMethod(estimators=2)
+    observation = look(perception(FakeMasks([[0.9, 0.3]]), [Pointing([X_BO]), FakePoses([X_BO])], method))
+    told = method.given[0].correspondences
+    assert told is observation.correspondences
+    assert [each.pixels.tolist() for each in told] == [[[0.0, 0.0]], [[1.0, 1.0]]]
+    assert all(isinstance(pose, Pose) for poses in observation.poses for pose in poses)
+
+
+def test_estimates_of_a_network_without_correspondences_hold_none():
+    method = FakeMethod(estimators=2)
+    observation = look(perception(FakeMasks([[0.9]]), [FakePoses([X_BO]), Pointing([X_BO])], method))
+    assert observation.correspondences is None
+    assert method.given[0].correspondences is None
+
+
+def test_a_method_that_judges_the_picture_is_given_it():
+    method = FakeMethod()
+    method.needs = Needs(rgb=True)
+    seeing = perception(method=method)
+    assert seeing.images == {Image.RGB}
+    rgb = np.full((*SIZE, 3), 7, dtype=np.uint8)
+    seeing.observe(dataclasses.replace(seeing.take_frame(FakeStation(LAYOUT)), rgb=rgb), False, time_left=5.0)
+    assert np.array_equal(method.given[0].rgb, rgb)
