@@ -31,13 +31,14 @@ from maskval.geometry import Pose, PoseLike, PosesLike, angle_between
 from maskval.intervals import bootstrap_mean_interval, mean_interval, proportion_interval
 from maskval.masks import PackedMasks, mask_from_rle, mask_iou, rle_counts
 from maskval.mesh import Mesh
-from maskval.methods import CORRESPONDENCE_METHODS, METHODS
+from maskval.methods import METHODS, NETWORK_METHODS
 from maskval.methods.baselines import DetectorScore, NoUncertainty, RandomUncertainty
 from maskval.methods.combined import Combined
 from maskval.methods.depth_agreement import DepthConsistency
 from maskval.methods.ensemble import Ensemble
 from maskval.methods.mask_agreement import MaskVal, Uncertainties, maskval_uncertainty, uncertainty
 from maskval.methods.outline_agreement import ContourDistance, chamfer_distance
+from maskval.methods.picture_agreement import RenderNcc
 from maskval.methods.point_agreement import InlierShare, PnpCovariance
 from maskval.methods.view_agreement import TemporalConsistency
 from maskval.pose_errors import add, add_s, mdd, mspd, mssd, rotation_error, translation_error
@@ -46,8 +47,8 @@ from maskval.rendering.silhouettes import Silhouette, silhouette, silhouette_box
 from maskval.symmetry import SymmetryAxis, symmetry_poses
 
 __all__ = [
-    "CORRESPONDENCE_METHODS",
     "METHODS",
+    "NETWORK_METHODS",
     "NO_PART",
     "UNMATCHED",
     "Camera",
@@ -89,6 +90,7 @@ __all__ = [
     "PosesLike",
     "RandomUncertainty",
     "RecallCurve",
+    "RenderNcc",
     "Silhouette",
     "Summary",
     "SymmetryAxis",

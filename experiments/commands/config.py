@@ -135,7 +135,7 @@ class Compare(CellOptions):
 
         check_cell(self.parts, self.seed, self.speed)
         all_at_least(self, experiments=1, jobs=0)
-        methods = named_methods(self.methods, correspondences=self.actors.tells_correspondences)
+        methods = named_methods(self.methods, networks=self.actors.are_networks)
         policies = self.policy or (None,)
         thresholds = load_thresholds(self.thresholds).with_told(self.u_grasp, methods)
         self._check(self.objects, methods, policies, thresholds)

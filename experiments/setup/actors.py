@@ -47,8 +47,8 @@ class Actors:
         self.noise(part, 0)
 
     @property
-    def tells_correspondences(self) -> bool:
-        """Whether the estimators of the package tell what they computed their poses from; others may."""
+    def are_networks(self) -> bool:
+        """Whether the estimators are trained networks, which look at pictures and tell their correspondences."""
         from experiments.setup.estimators import LEARNED
 
         return self.estimator == LEARNED
@@ -56,9 +56,10 @@ class Actors:
     def check_method(self, name: str) -> None:
         """Raises UsageError if a method of the library needs correspondences that the estimators do not tell."""
         from experiments.setup.estimators import KNOWN
-        from maskval import CORRESPONDENCE_METHODS
+        from maskval import NETWORK_METHODS, needs_of
 
-        if name in CORRESPONDENCE_METHODS and self.estimator in KNOWN and not self.tells_correspondences:
+        judges_points = name in NETWORK_METHODS and needs_of(NETWORK_METHODS[name]()).correspondences
+        if judges_points and self.estimator in KNOWN and not self.are_networks:
             raise UsageError(
                 f"expected --estimator networks with {name}, which judges correspondences, got {self.estimator}"
             )

@@ -70,20 +70,20 @@ METHODS: dict[str, Callable[[Context], UncertaintyMethod]] = {
     "random": _random,
     "oracle-mask": lambda context: OracleMask(context.latest_truth),
     "oracle-mdd": lambda context: OracleMdd(context.latest_truth),
-    **{name: _regardless(make) for name, make in maskval.CORRESPONDENCE_METHODS.items()},
+    **{name: _regardless(make) for name, make in maskval.NETWORK_METHODS.items()},
 }
 
 NEEDS_NO_THRESHOLD = ("none",)
 
 
-def named_methods(names: Sequence[str], *, correspondences: bool = False) -> tuple[str, ...]:
+def named_methods(names: Sequence[str], *, networks: bool = False) -> tuple[str, ...]:
     """The names, with "all" for every method of `METHODS`.
 
     Args:
         names: what was asked for.
-        correspondences: whether the estimators tell theirs; "all" leaves out methods that need them otherwise.
+        networks: whether the estimators are trained networks; "all" has the methods that need such only then.
     """
-    every = tuple(name for name in METHODS if correspondences or name not in maskval.CORRESPONDENCE_METHODS)
+    every = tuple(name for name in METHODS if networks or name not in maskval.NETWORK_METHODS)
     return every if list(names) == ["all"] else tuple(names)
 
 

@@ -1,14 +1,14 @@
 """Names for help texts, without loading what they name: `--help` does not wait. A test compares both."""
 
-from maskval import CORRESPONDENCE_METHODS as _OF_CORRESPONDENCES
 from maskval import METHODS as _OF_THE_LIBRARY
+from maskval import NETWORK_METHODS as _OF_NETWORKS
 
 METHOD_NAMES = (
     *_OF_THE_LIBRARY,
     "random",
     "oracle-mask",
     "oracle-mdd",
-    *_OF_CORRESPONDENCES,
+    *_OF_NETWORKS,
 )  # the keys of experiments.setup.methods.METHODS
 POLICY_NAMES = ("always", "best-of-view", "threshold", "patient", "next-best-view", "fuse")  # of policies.POLICIES
 OWN = "or your own as package.module:Class"

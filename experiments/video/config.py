@@ -92,7 +92,7 @@ class Video(CellOptions):
         from experiments.video.shots import MOST
 
         check_cell(self.parts, self.seed, self.speed)
-        methods = named_methods(self.methods or ("maskval",), correspondences=self.actors.tells_correspondences)
+        methods = named_methods(self.methods or ("maskval",), networks=self.actors.are_networks)
         part = self.object or "antenna"
         if len(methods) > MOST or len(set(methods)) < len(methods):
             raise UsageError(f"expected 1 to {MOST} different names for --methods, got {' '.join(methods)}")

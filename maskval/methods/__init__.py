@@ -9,6 +9,7 @@ from maskval.methods.depth_agreement import DepthConsistency
 from maskval.methods.ensemble import Ensemble
 from maskval.methods.mask_agreement import MaskVal
 from maskval.methods.outline_agreement import ContourDistance
+from maskval.methods.picture_agreement import RenderNcc
 from maskval.methods.point_agreement import InlierShare, PnpCovariance
 from maskval.methods.view_agreement import TemporalConsistency
 
@@ -28,8 +29,9 @@ METHODS: dict[str, Callable[[], UncertaintyMethod]] = {
     "temporal": TemporalConsistency,
 }
 
-# Those that need an estimator which tells its correspondences.
-CORRESPONDENCE_METHODS: dict[str, Callable[[], UncertaintyMethod]] = {
+# Those that need what only networks which look at pictures have: the picture, or correspondences.
+NETWORK_METHODS: dict[str, Callable[[], UncertaintyMethod]] = {
     "inliers": InlierShare,
     "pnp-covariance": PnpCovariance,
+    "render-ncc": RenderNcc,
 }

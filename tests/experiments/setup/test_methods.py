@@ -78,6 +78,7 @@ def test_every_method_judges_estimates_and_says_what_it_needs() -> None:
         np.full(size, 0.5),
         Pose.identity(),
         (Correspondences(brick().mesh.vertices, np.full((len(brick().mesh.vertices), 2), 9.0), np.ones(8)),),
+        np.zeros((*size, 3), dtype=np.uint8),
     )
     needs = {}
     for name in METHODS:
@@ -90,6 +91,7 @@ def test_every_method_judges_estimates_and_says_what_it_needs() -> None:
         needs[name] = needs_of(method)
     assert {name for name, one in needs.items() if one.depth} == {"depth"}
     assert {name for name, one in needs.items() if one.X_BC} == {"temporal"}
+    assert {name for name, one in needs.items() if one.rgb} == {"render-ncc"}
     assert {name for name, one in needs.items() if one.correspondences} == {"inliers", "pnp-covariance"}
     two = {"ensemble-add", "ensemble-mdd", "ensemble-translation", "ensemble-rotation", "maskval-ensemble"}
     assert {name for name, one in needs.items() if one.estimators == 2} == two
@@ -102,7 +104,7 @@ def test_a_method_with_a_memory_is_a_new_one_in_every_experiment() -> None:
 
 
 def test_the_librarys_methods_are_compared_under_their_names_before_those_that_need_more_than_estimates() -> None:
-    assert list(METHODS) == [*maskval.METHODS, "random", "oracle-mask", "oracle-mdd", *maskval.CORRESPONDENCE_METHODS]
+    assert list(METHODS) == [*maskval.METHODS, "random", "oracle-mask", "oracle-mdd", *maskval.NETWORK_METHODS]
 
 
 def test_chance_is_another_in_every_experiment_and_the_same_in_one() -> None:
@@ -112,8 +114,8 @@ def test_chance_is_another_in_every_experiment_and_the_same_in_one() -> None:
 
 
 def test_all_stands_for_every_method() -> None:
-    assert named_methods(["all"], correspondences=True) == tuple(METHODS)
-    assert set(METHODS) - set(named_methods(["all"])) == {"inliers", "pnp-covariance"}
+    assert named_methods(["all"], networks=True) == tuple(METHODS)
+    assert set(METHODS) - set(named_methods(["all"])) == {"inliers", "pnp-covariance", "render-ncc"}
     assert named_methods(["score", "mine:Own"]) == ("score", "mine:Own")
 
 
