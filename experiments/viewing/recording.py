@@ -135,7 +135,7 @@ class _Recording:
             if now.attempt is not None and (before is None or now.attempt is not before.attempt):
                 told.append(f"attempt: {now.attempt.outcome}")
             if before is not None and len(now.slots) > len(before.slots):
-                told.append(f"part {len(now.slots)}: {named(now.slots[-1])}")
+                told.append(f"time slot {len(before.slots)}: {named(now.slots[-1])}")
             before = now
             if begin - 1e-6 <= now.time <= end + 1e-6:
                 self._stream.set_time(TIMELINE, duration=now.time)
