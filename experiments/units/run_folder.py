@@ -212,11 +212,10 @@ class RunFolder:
         Raises:
             UsageError: a unit is damaged.
         """
-        for cell in self.asked:
-            for file in self._files_of(cell):
-                packed = file.read_bytes()
-                unit = Unit.from_bytes(packed, str(file))
-                yield unit.place, unit.failure is None, packed
+        for file in (file for cell in self.asked for file in self._files_of(cell)):
+            packed = file.read_bytes()
+            unit = Unit.from_bytes(packed, str(file))
+            yield unit.place, unit.failure is None, packed
 
     def _files_of(self, cell: Asked) -> list[Path]:
         """The files of the units asked for, by number; one with a result stands for one of its name that failed."""
