@@ -8,9 +8,12 @@ from typing import Any, TypeVar
 from tqdm import tqdm
 
 Item = TypeVar("Item")
+SHOWN_AFTER = 1.0  # s: a bar of what mostly takes less would only flash
 
 
-def counted(items: Iterable[Item], unit: str, what: str | None = None, total: int | None = None) -> Iterable[Item]:
+def counted(
+    items: Iterable[Item], unit: str, what: str | None = None, total: int | None = None, *, after: float = 0.0
+) -> Iterable[Item]:
     """The items, with a bar that counts them.
 
     Args:
@@ -18,8 +21,9 @@ def counted(items: Iterable[Item], unit: str, what: str | None = None, total: in
         unit: what one of them is.
         what: what is done with them.
         total: how many there are, if they do not say it themselves.
+        after: s that pass before the bar is shown; what is over sooner is not counted.
     """
-    counting: Iterable[Item] = tqdm(items, total=total, **_form(unit, what))
+    counting: Iterable[Item] = tqdm(items, total=total, delay=after, **_form(unit, what))
     return counting
 
 

@@ -30,8 +30,10 @@ def run(config: Run) -> int:
         writable_folder(config.rerun.parent)
     mesh, where = load_part(spec.part).part.mesh, config.where
 
-    print(f"{spec.part} × {spec.method}, experiment {spec.experiment} of seed {spec.seed}, {spec.estimator} estimators")
-    with watched(spec, where, config.rerun, lambda line: print(line, flush=True)) as shown:
+    title = (
+        f"{spec.part} × {spec.method}, experiment {spec.experiment} of seed {spec.seed}, {spec.estimator} estimators"
+    )
+    with watched(spec, where, config.rerun, lambda line: print(line, flush=True), title) as shown:
 
         def tell(record: object, latest_truth: LatestTruth) -> None:
             for line in lines(record, latest_truth, mesh.vertices):

@@ -20,6 +20,16 @@ def in_words(decided: DecisionRecord) -> str:
     return f"u = {u:.3f} {sign} {decision.threshold:.3f}: {decision.action}"
 
 
+def slot_in_words(status: Status, parts: int) -> str:
+    """The time slot that goes on, by its number in the logs, and which there are; the last one where all are over.
+
+    Args:
+        status: what is known.
+        parts: how many the experiment has, at least 1: as many as time slots.
+    """
+    return f"time slot {min(len(status.slots), parts - 1)} of 0..{parts - 1}"
+
+
 def named(outcome: Outcome | None) -> str:
     """The outcome of a time slot; None is a time-out."""
     return TIME_OUT if outcome is None else str(outcome)
@@ -33,8 +43,7 @@ def headline(status: Status, time: float, parts: int) -> str:
         time: s.
         parts: how many the experiment has.
     """
-    slot = min(len(status.slots) + 1, parts)
-    told = [f"{time:6.2f} s", f"part {slot} of {parts}", str(status.state)]
+    told = [f"{time:6.2f} s", slot_in_words(status, parts), str(status.state)]
     if status.decided is not None:
         told.append(in_words(status.decided))
     ended = just_ended(status, time)

@@ -55,6 +55,7 @@ def plan(config: Plan) -> int:
     Raises:
         UsageError: an invalid argument, or a pilot that cannot tell.
     """
+    from experiments.progress import saying
     from experiments.statistics.until import parse_condition
     from experiments.units.run_folder import RunFolder
     from experiments.units.summary import counted_of
@@ -68,8 +69,10 @@ def plan(config: Plan) -> int:
         if condition.part is not None and condition.part not in objects:
             raise UsageError(f'expected an object of {", ".join(objects)} in "{text}", got {condition.part}')
         for part in [condition.part] if condition.part is not None else objects:
-            print(f"{part}: {text}")
-            for line in _plan(config, condition, _by_method(counted, part), _worlds(folder.options, part)):
+            print(f"{part}: {text}", flush=True)
+            with saying("plan"):
+                told = _plan(config, condition, _by_method(counted, part), _worlds(folder.options, part))
+            for line in told:
                 print(f"  {line}")
     return 0
 

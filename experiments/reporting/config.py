@@ -10,7 +10,7 @@ from experiments.errors import UsageError
 from experiments.setup.checks import all_at_least, writable_folder
 
 _MOST_RUNS = 24
-_PICTURES = 80  # some 5 MB and two minutes on 2 cores
+_PICTURES = 80  # some 6 MB and two minutes on 2 cores
 
 
 @dataclass(frozen=True)

@@ -6,6 +6,7 @@ from itertools import combinations
 from statistics import fmean
 from typing import Any
 
+from experiments import progress
 from experiments.results.counted import Counted
 from experiments.results.table import Interval
 from experiments.statistics.clusters import ratio_difference
@@ -79,12 +80,13 @@ def pair_tests(counted: Sequence[Counted]) -> list[PairTest]:
     for one in counted:
         if one.count is not None:
             groups.setdefault(one.of[0], {}).setdefault(one.of[1:], {})[one.experiment] = one
-    tests = [
-        _test(part, first, second, [(mine[number], theirs[number]) for number in mine if number in theirs])
+    both = [
+        (part, first, second, [(mine[number], theirs[number]) for number in mine if number in theirs])
         for part, whos in groups.items()
         for (first, mine), (second, theirs) in combinations(whos.items(), 2)
         if mine.keys() & theirs.keys()
     ]
+    tests = [_test(*pair) for pair in progress.counted(both, "pair", "test", after=progress.SHOWN_AFTER)]
     adjusted = holm([test.placed.p for test in tests]) if tests else []
     return [replace(test, p_holm=p) for test, p in zip(tests, adjusted, strict=True)]
 

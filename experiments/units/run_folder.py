@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any, Self
 
 from experiments.errors import UsageError
+from experiments.progress import SHOWN_AFTER, counted
 from experiments.results.files import replacing
 from experiments.results.provenance import write_json
 from experiments.results.store import SCHEMAS
@@ -183,16 +184,16 @@ class RunFolder:
         return self.path / (f"{_UNITS}/{place}.json.gz" if ok else f"{_FAILED}/{place}.json")
 
     def units(self) -> Iterator[Unit]:
-        """All units, cell by cell, by number; one at a time in memory.
+        """All units, cell by cell, by number; one at a time in memory. A terminal is told how far their user is.
 
         Raises:
             UsageError: a unit is damaged.
         """
-        for cell in self.asked:
-            for file in self._files_of(cell):
-                unit = Unit.from_bytes(file.read_bytes(), str(file))
-                if unit.description["of"] == cell.of:
-                    yield unit
+        files = ((cell, file) for cell in self.asked for file in self._files_of(cell))
+        for cell, file in counted(files, "experiment", "read", self.expected, after=SHOWN_AFTER):
+            unit = Unit.from_bytes(file.read_bytes(), str(file))
+            if unit.description["of"] == cell.of:
+                yield unit
 
     def units_digest(self) -> str:
         """Says which units there are: equal for folders with equal units, whatever made them.
@@ -211,11 +212,10 @@ class RunFolder:
         Raises:
             UsageError: a unit is damaged.
         """
-        for cell in self.asked:
-            for file in self._files_of(cell):
-                packed = file.read_bytes()
-                unit = Unit.from_bytes(packed, str(file))
-                yield unit.place, unit.failure is None, packed
+        for file in (file for cell in self.asked for file in self._files_of(cell)):
+            packed = file.read_bytes()
+            unit = Unit.from_bytes(packed, str(file))
+            yield unit.place, unit.failure is None, packed
 
     def _files_of(self, cell: Asked) -> list[Path]:
         """The files of the units asked for, by number; one with a result stands for one of its name that failed."""

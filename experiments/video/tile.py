@@ -22,7 +22,7 @@ from experiments.observing.drawing import (
 from experiments.observing.looks import Looks
 from experiments.observing.observer import Status
 from experiments.observing.take import Take
-from experiments.observing.words import in_words, just_ended
+from experiments.observing.words import in_words, just_ended, slot_in_words
 from sim.runtime.pictures import SHADOWS, Pictures
 
 _QUICK_SHADOWS = 1024, 0  # px, of overview and wrist camera; of pictures that are no mean
@@ -105,14 +105,14 @@ class Tile:
         height, bar, spec = self._height, self.bar, self._taken.spec
         middle, margin = round(1.22 * height), round(0.25 * bar)
         first, second = round(0.42 * bar), round(0.85 * bar)
-        part, slot = self._taken.part.name, min(len(status.slots) + 1, spec.parts)
+        part = self._taken.part.name
         how = spec.method if spec.policy is None else f"{spec.method}, {spec.policy}"
         doing = f"{status.state}: {status.reason}" if status.reason else f"{status.state}"
         decision = "" if status.decided is None else in_words(status.decided)
         for text, place, color in (
             (f"{part}  |  {how}  |  experiment {spec.experiment}", (margin, first), WHITE),
             (doing, (margin, second), GREY),
-            (f"{time:6.2f} s   part {slot} of {spec.parts}", (middle, first), WHITE),
+            (f"{time:6.2f} s   {slot_in_words(status, spec.parts)}", (middle, first), WHITE),
             (decision, (middle, second), BLUE),
         ):
             end = middle if place[0] == margin else 2 * height
@@ -138,7 +138,7 @@ class Tile:
             left = pad + slot * (side + pad // 3)
             cv2.rectangle(image, (left, low - side), (left + side, low), color_of(outcome), cv2.FILLED)
             place = (left + side // 4, low - side // 4)
-            write(image, str(slot + 1), place, height=0.5 * side, color=WHITE, width=side)
+            write(image, str(slot), place, height=0.5 * side, color=WHITE, width=side)
         ended = just_ended(status, time)
         if ended is not None:
             words, outcome = ended

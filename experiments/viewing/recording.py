@@ -16,6 +16,7 @@ from experiments.observing.words import in_words, named
 from experiments.progress import counted
 from experiments.results.files import replacing
 from experiments.viewing.extras import load_rerun
+from experiments.viewing.layout import faceted, layout, log_colours
 from experiments.viewing.moments import moments
 from sim.runtime.bodies import Bodies
 
@@ -41,7 +42,9 @@ def write_recording(taken: Take, path: Path, *, span: tuple[float, float], inter
     stream = rerun.RecordingStream("graspcell", recording_id=path.stem)
     with TemporaryDirectory() as folder:
         made = Path(folder) / "made.rrd"
-        stream.save(made)
+        stream.save(made, default_blueprint=layout(rerun, TIMELINE))
+        spec = taken.spec
+        stream.send_recording_name(f"{taken.part.name} × {spec.method}, experiment {spec.experiment}")
         with closing(Looks(taken.world)) as looks:
             _Recording(rerun, stream, taken, span).write(looks, interval)
         stream.flush()
@@ -57,6 +60,7 @@ class _Recording:
 
     def write(self, looks: Looks, interval: float) -> None:
         self._stream.log("world", self._rerun.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
+        log_colours(self._rerun, self._stream)
         self._log_bodies(interval)
         begin, end = self._span
         for decided in counted(self._taken.observer.decisions(), "look", "recording"):
@@ -68,9 +72,8 @@ class _Recording:
         """Shapes once, and where each body is at equal times."""
         rerun, stream, bodies = self._rerun, self._stream, Bodies(self._taken.world)
         for number, shape in enumerate(bodies.shapes):
-            mesh = rerun.Mesh3D(
-                vertex_positions=shape.vertices, triangle_indices=shape.faces, albedo_factor=[*shape.rgb, 255]
-            )
+            corners, normals = faceted(shape.vertices, shape.faces)
+            mesh = rerun.Mesh3D(vertex_positions=corners, vertex_normals=normals, albedo_factor=[*shape.rgb, 255])
             stream.log(f"world/{shape.body}/{number}", mesh, static=True)
         times = moments(self._span, interval)
         found = [bodies.at(self._taken.film.at(time)) for time in times]
@@ -135,7 +138,7 @@ class _Recording:
             if now.attempt is not None and (before is None or now.attempt is not before.attempt):
                 told.append(f"attempt: {now.attempt.outcome}")
             if before is not None and len(now.slots) > len(before.slots):
-                told.append(f"part {len(now.slots)}: {named(now.slots[-1])}")
+                told.append(f"time slot {len(before.slots)}: {named(now.slots[-1])}")
             before = now
             if begin - 1e-6 <= now.time <= end + 1e-6:
                 self._stream.set_time(TIMELINE, duration=now.time)

@@ -22,7 +22,7 @@ _INTERVAL = 0.05  # s of the cell's clock between two poses of a recording
 
 @contextmanager
 def watched(
-    spec: ExperimentSpec, view: str | None, recording: Path | None, say: Callable[[str], None]
+    spec: ExperimentSpec, view: str | None, recording: Path | None, say: Callable[[str], None], title: str
 ) -> Iterator[Tell]:
     """Watches what the process's cell of an experiment does in the block; yields what is to be told every record.
 
@@ -31,18 +31,21 @@ def watched(
         view: where it is shown; None for nowhere. With a browser, the block begins when one has come.
         recording: the Rerun file to write at the end; None for none.
         say: is given lines for the person who watches.
+        title: the first of them; nothing is said if something is missing.
 
     Raises:
         UsageError: an extra is missing, there is no display for a window, or the file cannot be written.
         GraphicsError: there is no off-screen OpenGL for pictures.
     """
     told: list[Tell] = []
+    if recording is not None:
+        load_rerun()
+    if view == WEB:
+        load_viser()
     with ExitStack() as stack:
-        if recording is not None:
-            load_rerun()  # before an experiment has been run in vain
-            stack.callback(say, f"{recording}: open it with rerun {recording}")
         if view == WINDOW:
             stack.enter_context(_window(kept_cell(*spec.cell).world))
+        say(title)
         if view == WEB or recording is not None:
             told.append(stack.enter_context(_observed(spec, view, recording, say)))
 
@@ -58,8 +61,6 @@ def _observed(
     spec: ExperimentSpec, view: str | None, recording: Path | None, say: Callable[[str], None]
 ) -> Iterator[Tell]:
     """Shows it in a browser, and writes the recording afterwards, as far as they are asked for."""
-    if view == WEB:
-        load_viser()
     with taking(spec) as taken, ExitStack() as stack:
         web = stack.enter_context(web_view(taken.world, taken.observer)) if view == WEB else None
 
@@ -78,6 +79,7 @@ def _observed(
     if recording is not None:
         with saying("write the recording"):
             write_recording(taken, recording, span=taken.span(None), interval=_INTERVAL)
+        say(f"{recording}: open it with rerun {recording}")
 
 
 @contextmanager

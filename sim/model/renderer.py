@@ -53,12 +53,12 @@ class Renderer:
         self._part_of_geom = np.array([*numbers, NO_INSTANCE], dtype=np.int8)  # the last for -1, the background
         self._zfar = float(mj_model.vis.map.zfar * mj_model.stat.extent)
 
-    def rgb(self, data: mujoco.MjData, camera: str, samples: int = 1) -> NDArray[np.uint8]:
+    def rgb(self, data: mujoco.MjData, camera: str | mujoco.MjvCamera, samples: int = 1) -> NDArray[np.uint8]:
         """The picture, (H, W, 3) uint8.
 
         Args:
             data: the state.
-            camera: its name.
+            camera: its name, or one that the model does not have.
             samples: how many pictures it is the mean of; each is seen from another point of the pixel, by light from
                 another point of the lamps: edges are smooth, and shadows soft.
         """
@@ -99,7 +99,7 @@ class Renderer:
         if os.getpid() in _opened_in:
             self._renderer.close()
 
-    def _render(self, data: mujoco.MjData, camera: str) -> NDArray[Any]:
+    def _render(self, data: mujoco.MjData, camera: str | mujoco.MjvCamera) -> NDArray[Any]:
         self._renderer.update_scene(data, camera)
         image: NDArray[Any] = self._renderer.render()
         return image

@@ -34,3 +34,12 @@ def test_where_there_is_no_terminal_nothing_is_said(capsys: pytest.CaptureFixtur
         progress.update(4)
     told = capsys.readouterr()
     assert (told.out, told.err) == ("", "")
+
+
+def test_what_is_over_soon_is_not_counted_on_a_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
+    terminal = Terminal()
+    monkeypatch.setattr(sys, "stderr", terminal)
+    assert list(counted([1, 2], "part", after=60.0)) == [1, 2]
+    assert terminal.getvalue() == ""
+    assert list(counted([1, 2], "part", after=1e-9)) == [1, 2]
+    assert "part" in terminal.getvalue()

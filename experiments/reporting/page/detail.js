@@ -16,6 +16,7 @@ function film(item) {
   const box = crop(item), whole = [0, 0, WIDTH, HEIGHT];
   const bound = item.th === null || item.th === undefined ? "no threshold" : `threshold ${item.th.toFixed(2)}`;
   if (item.overview) strip.append(frameOf("Overview", make("img", { src: item.overview, alt: "the cell at the grasp" }), item.moment));
+  if (item.gripper) strip.append(frameOf("Gripper", make("img", { src: item.gripper, alt: "the gripper at the part" }), "At the same moment, from beside the jaws."));
   const others = outlined((item.others || []).join(""), "others");
   if (item.wrist) strip.append(frameOf("Wrist camera", drawing(item, whole, "wrist camera", [pictured(item), outlined(item.mask, "mask"), outlined(item.model, "model")]), "At the look. Orange: the mask decided upon. Cyan: the model at the estimated pose."));
   strip.append(

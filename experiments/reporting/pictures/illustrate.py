@@ -13,7 +13,7 @@ from experiments.reporting.pictures.take import Task, take_pictures
 from experiments.units.summary import of
 
 MOST_BYTES = 24_000_000  # of all pictures: with all else a page then stays below 30 MB
-_PICTURES = ("wrist", "overview")
+_PICTURES = ("wrist", "overview", "gripper")
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,7 +2,9 @@
 
 import base64
 from collections.abc import Generator, Mapping, Sequence
+from contextlib import closing
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import cv2
 import numpy as np
@@ -47,7 +49,8 @@ class Pictured:
     """What is added to the items of an experiment.
 
     Attributes:
-        items: `truth`, the outline at the true pose, and with OpenGL `wrist`, `overview` and `moment`, by number.
+        items: by number, `truth`, the outline at the true pose; with OpenGL `wrist`, `overview`, `moment` and, of an
+            attempt that came to the part, `gripper`.
         without: why there are no pictures; None if there are.
     """
 
@@ -96,39 +99,50 @@ def _truth(item: Rows, truth: FrameTruth, part: Part) -> Rows:
 
 
 def _photographed(task: Task, film: Film, world: World) -> dict[int, Rows]:
-    """The wrist picture at the look and the overview at the grasp of each item."""
+    """The wrist picture at the look, and the overview and the gripper's close-up at the grasp of each item."""
     camera, times = world.layout.camera, {row["frame"]: row["time_s"] for row in task.unit.tables["frames"]}
     moments = {number: moment(item, task.unit.tables["transitions"]) for number, item in task.items.items()}
-    shown: dict[int, Rows] = {number: {"moment": told} for number, (_, told) in moments.items()}
-    for name, view, (height, width) in (
-        ("wrist", "wrist", (camera.height, camera.width)),
-        ("overview", "overview", _OVERVIEW),
-    ):
-        pictures = Pictures(world, height, width, _SAMPLES)
-        try:
-            for number, item in task.items.items():
-                time = times[item["f"]] if view == "wrist" else moments[number][0]
-                shown[number][name] = _as_uri(pictures.rgb(view, film.at(time)))
-        finally:
-            pictures.close()
+    shown: dict[int, Rows] = {number: {"moment": one.told} for number, one in moments.items()}
+    with closing(Pictures(world, camera.height, camera.width, _SAMPLES)) as pictures:
+        for number, item in task.items.items():
+            shown[number]["wrist"] = _as_uri(pictures.rgb("wrist", film.at(times[item["f"]])))
+    with closing(Pictures(world, *_OVERVIEW, _SAMPLES)) as pictures:
+        for number, one in moments.items():
+            shown[number]["overview"] = _as_uri(pictures.rgb("overview", film.at(one.time)))
+            if one.is_grasp:
+                shown[number]["gripper"] = _as_uri(pictures.close_up(film.at(one.time)))
     return shown
 
 
-def moment(item: Rows, transitions: Sequence[Rows]) -> tuple[float, str]:
-    """When an attempt is decided, s, and what happens then: a contact, the end of closing, or the end.
+class Moment(NamedTuple):
+    """When an item is decided.
+
+    Attributes:
+        time: s.
+        told: what happens then, in words.
+        is_grasp: whether the gripper is at the part: closed, or stopped by a contact.
+    """
+
+    time: float
+    told: str
+    is_grasp: bool
+
+
+def moment(item: Rows, transitions: Sequence[Rows]) -> Moment:
+    """When an attempt is decided, and what happens then: a contact, the end of closing, or the end.
 
     Args:
         item: as the page has it.
         transitions: of its experiment.
     """
     if item["k"] == "time-out":
-        return item["z"], f"at {item['z']:.1f} s, when the time ran out"
+        return Moment(item["z"], f"at {item['z']:.1f} s, when the time ran out", False)
     if item["hit"] is not None:
-        return item["hit"], f"at {item['hit']:.1f} s, {item['force']:.0f} N on the {item['touch']}"
+        return Moment(item["hit"], f"at {item['hit']:.1f} s, {item['force']:.0f} N on the {item['touch']}", True)
     for row in transitions:
         if row["source"] == "close" and item["b"] <= row["time_s"] <= item["z"]:
-            return row["time_s"], f"at {row['time_s']:.1f} s, {row['reason']}"
-    return item["z"], f"at {item['z']:.1f} s, at the end"
+            return Moment(row["time_s"], f"at {row['time_s']:.1f} s, {row['reason']}", True)
+    return Moment(item["z"], f"at {item['z']:.1f} s, at the end", False)
 
 
 def _as_uri(image: NDArray[np.uint8]) -> str:

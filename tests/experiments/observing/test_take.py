@@ -7,7 +7,7 @@ import pytest
 
 from cell.records import State
 from experiments.observing.take import Take, take
-from experiments.observing.words import in_words
+from experiments.observing.words import in_words, slot_in_words
 from experiments.setup.experiment import ExperimentResult, ExperimentSpec, run_experiment
 from experiments.setup.thresholds import load_thresholds
 
@@ -90,3 +90,11 @@ def test_a_decision_is_told_with_its_u_and_threshold_in_ascii(ran: ExperimentRes
         if row["threshold"] is not None:
             sign = ">" if row["action"] == "search" else "<="
             assert text.startswith(f"u = {row['u']:.3f} {sign} {row['threshold']:.3f}")
+
+
+def test_a_time_slot_is_told_by_its_number_in_the_log(ran: ExperimentResult, taken: Take) -> None:
+    rows = ran.tables["slots"]
+    assert len(rows) == SPEC.parts
+    for row in rows:
+        status = taken.observer.at((row["start_s"] + row["end_s"]) / 2)
+        assert slot_in_words(status, SPEC.parts) == f"time slot {row['slot']} of 0..{SPEC.parts - 1}"

@@ -149,7 +149,7 @@ def test_an_address_leads_to_its_attempt(opened: Chrome, page: Path, items: list
     opened.get("about:blank")
     opened.get(page.as_uri() + address(*pictured))
     names = [name.text for name in opened.find_elements(By.CSS_SELECTOR, ".frame b")]
-    assert names == ["Overview", "Wrist camera", "1 Detection", "2 Projection", "3 Overlap", "The truth"]
+    assert names == ["Overview", "Gripper", "Wrist camera", "1 Detection", "2 Projection", "3 Overlap", "The truth"]
     assert opened.execute_script("return document.querySelector('.frame img').naturalWidth") == 480
 
 

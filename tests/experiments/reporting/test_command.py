@@ -34,6 +34,8 @@ def test_pictures_are_counted_and_failures_have_them_first(page: Path) -> None:
     failures = [item for item in items if item["k"] in ("failed", "time-out") and "f" in item]
     assert 0 < len(failures) < 3
     assert all("wrist" in item and item["overview"].startswith("data:image/jpeg") for item in failures)
+    assert all(item["gripper"].startswith("data:image/jpeg") for item in with_pictures if item["n"] is not None)
+    assert not any("gripper" in item for item in with_pictures if item["n"] is None)
     assert data_of(page)["runs"][0]["pictured"].startswith(f"3 of {len(items)} attempts and time-outs")
 
 

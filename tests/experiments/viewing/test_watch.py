@@ -11,15 +11,17 @@ SHORT = ("run", "--object", "handle", "--method", "maskval", "--parts", 2)
 
 
 def test_without_a_display_the_window_is_refused_and_the_browser_named(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
+    monkeypatch.setattr("experiments.viewing.watch.load_rerun", lambda: None)  # as if the extra were installed
     for name in ("DISPLAY", "WAYLAND_DISPLAY"):
         monkeypatch.delenv(name, raising=False)
-    for view in (("--view",), ("--view", "window")):
+    for view in (("--view",), ("--view", "window"), ("--view", "--rerun", tmp_path / "a.rrd")):
         told = command(capsys, *SHORT, *view)
         assert told.code == 2
         assert "--view opens a window and needs a display with OpenGL, but there is none here" in told.err
         assert "expected --view web" in told.err
+        assert told.out == ""
         assert len(told.err.strip().splitlines()) == 1
 
 
@@ -41,6 +43,7 @@ def test_a_missing_extra_is_named_before_anything_runs(
     told = command(capsys, *SHORT, *options)
     assert told.code == 2
     assert f"expected the extra: pip install 'graspcell[{extra}]'" in told.err
+    assert told.out == ""
     assert len(told.err.strip().splitlines()) == 1
 
 

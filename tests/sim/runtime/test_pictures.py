@@ -55,6 +55,24 @@ def test_a_picture_shows_the_world_as_it_is_now_and_repeats_bit_for_bit(
         assert not np.array_equal(pictures.rgb("overview"), first)
 
 
+def test_the_close_up_shows_both_jaws_beside_the_middle_of_the_picture(
+    antenna_world: World, antenna: PartModel
+) -> None:
+    reset(antenna_world, antenna)
+    with closing(Pictures(antenna_world, 120, 160, samples=1, shadows=0)) as pictures:
+        first = pictures.close_up()
+        assert np.array_equal(pictures.close_up(antenna_world.data.qpos), first)
+        narrower = antenna_world.data.qpos.copy()
+        for name in ("finger_left", "finger_right"):
+            body = antenna_world.mj_model.body(name)
+            narrower[antenna_world.mj_model.jnt_qposadr[body.jntadr[0]]] *= 0.5
+        changed = (pictures.close_up(narrower) != first).any(axis=2)
+        assert np.array_equal(pictures.close_up(), first)
+    columns = np.flatnonzero(changed.any(axis=0))
+    assert 20 < columns.min() < 75  # one jaw left of the middle, 80, the other right of it
+    assert 85 < columns.max() < 140
+
+
 def test_more_samples_give_the_same_picture_with_smooth_outlines(antenna_world: World, antenna: PartModel) -> None:
     reset(antenna_world, antenna)
     greys = {}
