@@ -4,8 +4,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-_GAIN, _TINT, _GAMMA = (0.6, 1.6), (0.85, 1.15), (0.7, 1.4)
-_MOST_BLUR_PX, _MOST_NOISE = 0.9, 0.03
+_GAIN, _TINT, _GAMMA = (0.7, 1.4), (0.9, 1.1), (0.8, 1.25)
+_MOST_BLUR_PX, _MOST_NOISE = 0.7, 0.008
 
 
 def relit(image: NDArray[np.uint8], rng: np.random.Generator) -> NDArray[np.float64]:

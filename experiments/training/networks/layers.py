@@ -38,7 +38,7 @@ class Pyramid(nn.Module):
 
     def forward(self, images: Tensor) -> tuple[Tensor, Tensor]:
         """The map at half size, and the smallest one."""
-        levels = [self.stem(images)]
+        levels = [self.stem(2.0 * torch.sqrt(images) - 1.0)]  # the root tells dark levels apart
         for down in self.down:
             levels.append(down(levels[-1]))
         features = levels[-1]
