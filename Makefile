@@ -6,7 +6,7 @@ OUT ?= out/compare
 READY := $(VENV)/.ready
 COMPILED := $(VENV)/.compiled
 
-.PHONY: run test check site study thresholds goldens picture opengl browser clean
+.PHONY: run test check site study thresholds goldens picture gallery opengl browser clean
 
 run: $(COMPILED)
 	$(BIN)/graspcell compare --gap fitted --thresholds paper --experiments 20 --out $(OUT)
@@ -43,6 +43,10 @@ study: $(COMPILED) browser
 # The picture in the README.
 picture: $(COMPILED) opengl
 	$(BIN)/graspcell picture --out docs/cell.png
+
+# The pictures, the video and the report in docs/gallery, by the commands of docs/gallery.md: 11 minutes on 2 cores.
+gallery: $(COMPILED) browser
+	$(BIN)/python docs/make_gallery.py
 
 # The system's OpenGL libraries, which only pictures and their tests need.
 opengl:

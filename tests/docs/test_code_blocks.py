@@ -23,6 +23,7 @@ PAGES = {
     "statistics.md": 3,
     "run-thousands.md": 4,
     "report.md": 1,
+    "see-it.md": 1,
 }
 # Those of the other pages run in tests/docs/test_add_your_own.py, tests/experiments/reading/test_questions.py and
 # tests/experiments/part/test_command.py.
