@@ -12,7 +12,7 @@ import numpy as np
 from cell.layout import default_camera
 from experiments.setup.methods import METHODS, Context, make_uncertainty
 from experiments.setup.thresholds import Thresholds
-from maskval import Estimates, Pose, UncertaintyMethod
+from maskval import Camera, Correspondences, Estimates, Mesh, Pose, UncertaintyMethod
 from sim.images.generated import Recipe, draw_nearest, make_image
 from sim.instance_ids import PIXEL_CENTER
 from sim.model.parts import load_part, part_names
@@ -21,7 +21,7 @@ from sim.networks.image_estimates import estimate_image
 from sim.networks.noise_model import load_noise
 from sim.networks.random_streams import Streams
 
-IMAGES, ROUNDS = 20, 5
+IMAGES, ROUNDS, POINTS = 20, 5, 200
 
 
 def images(part: str) -> list[tuple[Estimates, FrameTruth]]:
@@ -43,9 +43,19 @@ def images(part: str) -> list[tuple[Estimates, FrameTruth]]:
             pixel_center=PIXEL_CENTER,
             depth=draw_nearest(image.bodies, camera)[1],
             X_BC=Pose.from_translation((0.2 * number, 0.0, 0.0)),
+            correspondences=tuple(points_of(mesh, pose, camera) for pose in found.poses[0]),
+            rgb=np.random.default_rng(number).integers(0, 256, (camera.height, camera.width, 3), dtype=np.uint8),
         )
         made.append((estimates, image.truth))
     return [one for one in made if len(one[0])]
+
+
+def points_of(mesh: Mesh, X_CO: Pose, camera: Camera) -> Correspondences:
+    """As many correspondences as a pose network of the package gives, 2 px off."""
+    rng = np.random.default_rng(0)
+    points_O = mesh.vertices[rng.integers(len(mesh.vertices), size=POINTS)]
+    pixels = camera.project(X_CO.apply(points_O)) + rng.normal(0.0, 2.0, (POINTS, 2))
+    return Correspondences(points_O, pixels, np.full(POINTS, 2.0))
 
 
 def cost_us(part: str, name: str, seen: list[tuple[Estimates, FrameTruth]]) -> float:
