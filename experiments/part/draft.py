@@ -35,6 +35,7 @@ def draft_of(config: MakePart, tell: Callable[[str], None]) -> Draft:
     if path is None:
         raise UsageError("expected a mesh file, got none")
     name = _name(config.name or re.sub(r"[^A-Za-z0-9_.-]", "-", path.stem).lstrip("_.-"))
+    tell(f"reading {path.name} ...")
     try:
         surface = read_surface(path, config.unit)
     except InvalidFileError as error:

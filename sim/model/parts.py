@@ -17,7 +17,7 @@ from maskval import InvalidFileError, MaskvalError, Mesh, Pose, SymmetryAxis
 from maskval.input_files import MOST_MESH, read_input, read_input_text
 from maskval.spelling import nearest
 from sim.errors import PartFileError
-from sim.parts.mesh_files import check_mesh, convex_hull, read_mesh
+from sim.parts.mesh_files import check_face_count, check_mesh, convex_hull, read_mesh
 from sim.parts.part_checks import check_part
 from sim.parts.part_file import GraspRow, MeshRow, PartFile, read_part_file
 from sim.parts.part_shapes import Curves, bow_curves, convex_pieces, fin_curves, join
@@ -168,10 +168,12 @@ def _shape(
         # Rounded: otherwise the last bit decides which triangles the hulls have, and so how likely a side is.
         curves = rounded(_curves(row.generator, row.arguments))
         mesh = join(curves)
+        check_face_count(mesh, source)
         check_mesh(mesh, source)
         return mesh, convex_pieces(curves)
     file = str(row.file)
     surface = read_mesh(file, meshes[file])
+    check_face_count(surface, source)
     check_mesh(surface, source)
     if row.pieces is None:
         return surface, (convex_hull(file, surface),)

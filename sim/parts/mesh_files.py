@@ -61,6 +61,19 @@ def convex_hull(name: str, mesh: trimesh.Trimesh) -> trimesh.Trimesh:
     return hull
 
 
+def check_face_count(mesh: trimesh.Trimesh, source: str) -> None:
+    """Rejects a surface of a part's file that would make every picture slow.
+
+    Raises:
+        PartFileError: it has more than `MOST_FACES` faces.
+    """
+    if len(mesh.faces) > MOST_FACES:
+        raise PartFileError(
+            f"{source}: the mesh has {len(mesh.faces)} faces, expected at most {MOST_FACES}; `graspcell part` "
+            "simplifies a mesh"
+        )
+
+
 def check_mesh(mesh: trimesh.Trimesh, source: str) -> None:
     """Rejects a surface that encloses no volume or is not in metres.
 
@@ -69,11 +82,6 @@ def check_mesh(mesh: trimesh.Trimesh, source: str) -> None:
     """
     if len(mesh.faces) == 0:
         raise PartFileError(f"{source}: the mesh has no faces")
-    if len(mesh.faces) > MOST_FACES:
-        raise PartFileError(
-            f"{source}: the mesh has {len(mesh.faces)} faces, expected at most {MOST_FACES}; `graspcell part` "
-            "simplifies a mesh"
-        )
     if not np.isfinite(mesh.vertices).all():
         raise PartFileError(f"{source}: the mesh has vertices that are not finite")
     _check_size(mesh, source)
