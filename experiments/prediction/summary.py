@@ -19,7 +19,7 @@ from experiments.results.paired import Paired, format_paired, pair
 from experiments.results.paper import ROBOT_TABLE
 from experiments.results.provenance import write_json
 from experiments.setup.policies import policy_name
-from maskval.input_files import read_input_text
+from maskval.inputs.files import read_input_text
 
 _COLUMN = 27
 

@@ -14,7 +14,7 @@ from experiments.results.store import SCHEMA, SCHEMAS, UNITS
 from experiments.units.asked import ASKED
 from experiments.units.run_folder import RunFolder
 from maskval import InvalidFileError
-from maskval.input_files import check_input
+from maskval.inputs.files import check_input
 
 if TYPE_CHECKING:
     import pandas as pd

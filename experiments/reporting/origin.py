@@ -8,7 +8,7 @@ from experiments.errors import UsageError
 from experiments.reporting.data.command_lines import repeat
 from experiments.reporting.data.source import Source
 from maskval import InvalidFileError
-from maskval.input_files import read_input_text
+from maskval.inputs.files import read_input_text
 
 
 def took(source: Source, *, named: bool) -> str:

@@ -16,7 +16,7 @@ from cell.setup import EstimatorSetup
 from experiments.errors import UsageError
 from experiments.results.store import SCHEMAS
 from maskval import InvalidFileError, MaskvalError, Pose, bop, mask_from_rle, mdd
-from maskval.input_files import MOST_RESULTS, check_input
+from maskval.inputs.files import MOST_RESULTS, check_input
 
 LOGS = ("frames.parquet", "estimates.parquet")
 MASKS, POSES = "masks.json", ("poses.csv", "poses_2.csv")  # of one network, or of two

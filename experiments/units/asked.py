@@ -8,7 +8,7 @@ from typing import Any
 from experiments.errors import UsageError
 from experiments.units.identity import Description
 from maskval import InvalidFileError
-from maskval.input_files import read_input_text
+from maskval.inputs.files import read_input_text
 
 FORMAT = 1
 ASKED = "run.json"

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 from experiments.errors import UsageError
 from maskval import InvalidFileError
-from maskval.input_files import MOST_RESULTS, read_input
+from maskval.inputs.files import MOST_RESULTS, read_input
 
 if TYPE_CHECKING:
     from experiments.setup.experiment import ExperimentSpec

@@ -17,7 +17,7 @@ from experiments.errors import UsageError
 from experiments.results.first_attempts import FirstAttempts
 from experiments.units.identity import Description, canonical, describe, unit_name
 from maskval import InvalidFileError
-from maskval.input_files import MOST_RESULTS, read_input
+from maskval.inputs.files import MOST_RESULTS, read_input
 from sim.errors import GraphicsError, SimError
 
 if TYPE_CHECKING:

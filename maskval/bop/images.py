@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from maskval.bop.fields import M_PER_MM
 from maskval.errors import InvalidArgumentError, InvalidFileError
-from maskval.input_files import MOST_IMAGE, check_input, read_input
+from maskval.inputs.files import MOST_IMAGE, check_input, read_input
 from maskval.masks import MAXIMUM_PIXELS
 
 _PNG = b"\x89PNG\r\n\x1a\n"  # then the size of a block, IHDR, and the image's width and height

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from cell.interfaces import Detection, Frame, Image, MaskEstimator, Observation, Outcome
 from cell.layout import Layout
 from maskval import UncertaintyMethod, mdd
-from maskval.spelling import shown
+from maskval.inputs.spelling import shown
 from sim.errors import EnvOptionError
 from sim.gym.checks import check_keys, check_kind, check_name, check_whole
 from sim.gym.observation import AllMethods, DetectionEncoder, Encoded

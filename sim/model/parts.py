@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from cell.part import Grasp, Part
 from cell.rounding import rounded
 from maskval import InvalidFileError, MaskvalError, Mesh, Pose, SymmetryAxis
-from maskval.input_files import MOST_MESH, read_input, read_input_text
-from maskval.spelling import nearest
+from maskval.inputs.files import MOST_MESH, read_input, read_input_text
+from maskval.inputs.spelling import nearest
 from sim.errors import PartFileError
 from sim.parts.mesh_files import check_face_count, check_mesh, convex_hull, read_mesh
 from sim.parts.part_checks import check_part

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import trimesh
 
-from maskval.input_files import MOST_MESH, read_input
+from maskval.inputs.files import MOST_MESH, read_input
 from sim.errors import PartFileError
 from sim.part_making.solids import joined, mesh_of, simplified, solid_of
 from sim.parts.mesh_files import LARGEST_PART, check_mesh, read_mesh

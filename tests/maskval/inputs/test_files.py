@@ -4,7 +4,7 @@ from pathlib import Path
 import pytest
 
 from maskval import InvalidFileError
-from maskval.input_files import check_input, read_input, read_input_text
+from maskval.inputs.files import check_input, read_input, read_input_text
 
 
 def pipe(folder: Path) -> Path:
