@@ -69,7 +69,7 @@ METHODS: dict[str, Callable[[Context], UncertaintyMethod]] = {
     "ensemble-add": _ensemble_add,
     "random": _random,
     "oracle-mask": lambda context: OracleMask(context.latest_truth),
-    "oracle-mdd": lambda context: OracleMdd(context.latest_truth),
+    "oracle-mdd": lambda context: OracleMdd(context.latest_truth, context.part.symmetries),
 }
 
 NEEDS_NO_THRESHOLD = ("none",)

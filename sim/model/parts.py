@@ -22,7 +22,7 @@ from sim.parts.part_checks import check_part
 from sim.parts.part_file import GraspRow, MeshRow, PartFile, read_part_file
 from sim.parts.part_shapes import Curves, bow_curves, convex_pieces, fin_curves, join
 from sim.parts.stable_poses import RestingPose, resting_poses
-from sim.parts.turns import Turn, discrete_symmetries
+from sim.parts.turns import Turn, alike
 
 _INERTIA_DIGITS = 12  # decimals of kg m²: parts have 1e-4
 _PART_FOLDER = files("sim") / "assets" / "parts"
@@ -112,13 +112,13 @@ def _build(text: str, meshes: tuple[tuple[str, bytes], ...], source: str, noise:
     symmetries = tuple(
         Turn(SymmetryAxis(np.array(row.axis), np.array(row.point_mm) / 1000.0), row.fold) for row in rows.symmetries
     )
-    discrete_symmetries(symmetries)  # refuses those that do not belong together
     model = PartModel(
         part=Part(
             name=rows.name,
             mesh=Mesh(mesh.vertices, mesh.faces),
             grasps=tuple(_grasp(row) for row in rows.grasps),
             slot_size=(float(slot_x), float(slot_y)),
+            symmetries=alike(symmetries),
         ),
         pieces=pieces,
         mass=rows.mass_kg,

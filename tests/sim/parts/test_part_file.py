@@ -208,6 +208,15 @@ def test_stable_poses_of_the_file_replace_those_of_the_hull(tmp_path: Path) -> N
     assert other.rotation @ [0, 1, 0] == pytest.approx([0, 0, 1])
 
 
+def test_the_symmetries_of_the_file_are_those_of_the_part_in_metres(tmp_path: Path) -> None:
+    rows = "[[symmetries]]\naxis = [0, 0, 1]\npoint_mm = [10, 0, 0]\nfold = 2\n"
+    part = load_part(brick(tmp_path, TEXT + rows)).part
+    same, turned = part.symmetries
+    assert same.apply(np.array([[0.01, 0.02, 0.03]]))[0] == pytest.approx((0.01, 0.02, 0.03))
+    assert turned.apply(np.array([[0.01, 0.02, 0.03]]))[0] == pytest.approx((0.01, -0.02, 0.03))
+    assert load_part("handle").part.symmetries == ()  # its file lists none
+
+
 def test_a_stable_pose_without_a_grasp_is_a_warning(tmp_path: Path) -> None:
     model = load_part(brick(tmp_path))
     told = warnings_of(model.part, model.resting_poses, model.pieces)
