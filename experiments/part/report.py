@@ -26,6 +26,8 @@ _SLOTS = Container().rows * Container().columns
 
 def check_lines(path: Path) -> tuple[list[str], bool]:
     """What is wrong or probably not meant in a part's file, a line each, and whether the file is refused."""
+    if path.suffix != ".toml":
+        return [f"error: {path}: expected the .toml file of a part; `graspcell part MESH` makes one from a mesh"], True
     try:
         model = load_part(str(path))
         load_noise(model.noise)

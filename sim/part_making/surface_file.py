@@ -98,7 +98,7 @@ def _repaired(mesh: trimesh.Trimesh) -> tuple[trimesh.Trimesh, list[str]]:
         trimesh.repair.fill_holes(mesh)  # of three or four edges
         if len(mesh.faces) > before:
             notes.append(f"closed holes of three or four edges with {len(mesh.faces) - before} triangles")
-    if not mesh.is_winding_consistent or mesh.volume < 0:
+    if not mesh.is_winding_consistent or (mesh.is_watertight and mesh.volume < 0):
         trimesh.repair.fix_normals(mesh, multibody=True)  # type: ignore[no-untyped-call]
         notes.append("turned triangles so that all of them face outwards")
     return mesh, notes

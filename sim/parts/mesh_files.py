@@ -34,7 +34,7 @@ def read_mesh(name: str, content: bytes) -> trimesh.Trimesh:
         reason = " ".join(str(error).split())[:200]
         raise _unfit(name, f"{type(error).__name__}: {reason}") from error
     if not isinstance(loaded, trimesh.Trimesh) or len(loaded.faces) == 0:
-        raise PartFileError(f"mesh file {name} has no triangles")
+        raise PartFileError(f"mesh file {name} has no triangles: is it whole, and of the kind that its name says?")
     if loaded.faces.min() < 0 or loaded.faces.max() >= len(loaded.vertices):
         raise PartFileError(f"mesh file {name}: a triangle names a corner that is not there")
     if not np.isfinite(loaded.vertices).all():
