@@ -18,7 +18,7 @@ from scipy import stats
 
 from experiments.results.provenance import write_json
 from maskval import proportion_interval
-from maskval.cluster_intervals import clustered_rate_interval
+from maskval.statistics.cluster_intervals import clustered_rate_interval
 
 PREDICTION = Path(__file__).parents[1] / "docs" / "results" / "predict.json"
 WORLDS = (20, 10, 5)

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 import sim.runtime.episode as subject
+from cell.arm.ur10 import forward
 from cell.interfaces import Contact, Touch
 from cell.records import State, Transition
-from cell.ur10 import forward
 from experiments.setup.experiment import ExperimentSpec, kept_cell, run_experiment
 from experiments.setup.thresholds import load_thresholds
 from maskval import Pose

@@ -7,7 +7,7 @@ from typing import NoReturn
 
 import numpy as np
 
-from cell.conveyor_tracking import RAMP_TIME, TRACKING_TIME
+from cell.arm.conveyor_tracking import RAMP_TIME, TRACKING_TIME
 from cell.grasping import RELEASE_GAP, GraspPlan, PlacePlan, plan_grasps, plan_places
 from cell.interfaces import Contact, Touch
 from cell.motion import EVERYTHING, HOLDING, Array, Motion, Unreachable

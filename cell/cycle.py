@@ -4,8 +4,9 @@ from collections.abc import Generator
 from dataclasses import dataclass, field
 from typing import TypeVar
 
+from cell.arm.conveyor_tracking import BeltSpeed
+from cell.arm.limits import PRESETS, SpeedPreset
 from cell.attempt import Attempt
-from cell.conveyor_tracking import BeltSpeed
 from cell.errors import EstimatorError, LayoutError, PolicyError
 from cell.grasping import why_unreachable
 from cell.guards import TIME_LIMIT, check_decision, guarded_decision
@@ -22,7 +23,6 @@ from cell.interfaces import (
 )
 from cell.layout import Layout
 from cell.motion import Motion, Unreachable
-from cell.motion_limits import PRESETS, SpeedPreset
 from cell.perception import Perception
 from cell.records import (
     TRANSITIONS,

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from maskval import Camera, Correspondences, Pose
 
 if TYPE_CHECKING:
-    from cell.trajectory import JointTrajectory
+    from cell.arm.trajectory import JointTrajectory
 
 
 class Image(StrEnum):

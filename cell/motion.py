@@ -6,12 +6,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from cell.conveyor_tracking import RAMP_TIME, BeltSpeed, Way, at_speed, carried, joining, leaving, track
+from cell.arm.conveyor_tracking import RAMP_TIME, BeltSpeed, Way, at_speed, carried, joining, leaving, track
+from cell.arm.limits import SpeedPreset
+from cell.arm.trajectory import joint_move, line_move, line_poses
+from cell.arm.ur10 import forward, inverse_on_branch
 from cell.interfaces import Contact, Station, Touch
 from cell.layout import Layout
-from cell.motion_limits import SpeedPreset
-from cell.trajectory import joint_move, line_move, line_poses
-from cell.ur10 import forward, inverse_on_branch
 from maskval import Pose
 
 Array = NDArray[np.float64]

@@ -14,7 +14,7 @@ from cell.interfaces import Detection, Frame, Image, MaskEstimator, Observation,
 from cell.part import Part
 from cell.rounding import DIGITS, rounded
 from maskval import Correspondences, Estimates, InvalidEstimatesError, Pose, UncertaintyMethod, needs_of
-from maskval.spelling import is_finite, shown
+from maskval.inputs.spelling import is_finite, shown
 
 MOST_INFERENCE = 60.0  # s of the cell's clock per picture, three time slots; beyond, only waiting is simulated
 T = TypeVar("T")

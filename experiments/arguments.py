@@ -8,7 +8,7 @@ from tyro.constructors import ConstructorRegistry, PrimitiveConstructorSpec, Pri
 
 from experiments.errors import UsageError
 from experiments.setup.names import NAMES_IN_BOTH_NUMBERS, option_name
-from maskval.spelling import nearest, number, shown, whole_number
+from maskval.inputs.spelling import nearest, number, shown, whole_number
 
 _MOST_NAME = 255  # bytes, of Linux's file systems
 

@@ -41,7 +41,7 @@ from experiments.setup.options_file import OPTION, with_options_file
 from experiments.training.config import Train
 from experiments.uq.config import Uq
 from experiments.video.config import Video
-from maskval.spelling import nearest
+from maskval.inputs.spelling import nearest
 from sim.model.conditions import Conditions
 
 _CLOSED_PIPE = 141  # the exit code that shells give a program that SIGPIPE ends

@@ -28,7 +28,6 @@ from maskval.evaluation.summary import Measured, Summary, Threshold, summarise
 from maskval.evaluation.thresholds import Certificate, certified_threshold, conformal_threshold, paper_threshold
 from maskval.evaluation.visible_surface import vsd
 from maskval.geometry import Pose, PoseLike, PosesLike, angle_between
-from maskval.intervals import bootstrap_mean_interval, mean_interval, proportion_interval
 from maskval.masks import PackedMasks, mask_from_rle, mask_iou, rle_counts
 from maskval.mesh import Mesh
 from maskval.methods import METHODS, NETWORK_METHODS
@@ -44,6 +43,7 @@ from maskval.methods.view_agreement import TemporalConsistency
 from maskval.pose_errors import add, add_s, mdd, mspd, mssd, rotation_error, translation_error
 from maskval.rendering.depth import DepthCrop, depth_crop, depth_image
 from maskval.rendering.silhouettes import Silhouette, silhouette, silhouette_boxes, silhouette_iou
+from maskval.statistics.intervals import bootstrap_mean_interval, mean_interval, proportion_interval
 from maskval.symmetry import SymmetryAxis, symmetry_poses
 
 __all__ = [

@@ -6,8 +6,8 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from maskval.arrays import floats
 from maskval.errors import InvalidEstimatesError
+from maskval.inputs.arrays import floats
 
 Rule = Literal["greedy", "optimal"]
 

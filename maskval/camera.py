@@ -7,8 +7,8 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from maskval.arrays import check_number, floats
 from maskval.errors import InvalidCameraError, InvalidPoseError
+from maskval.inputs.arrays import check_number, floats
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from maskval.arrays import floats
 from maskval.camera import Camera
 from maskval.errors import InvalidEstimatesError
 from maskval.geometry import Pose
+from maskval.inputs.arrays import floats
 
 Array = NDArray[np.float64]
 

@@ -6,11 +6,11 @@ from typing import Protocol, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from maskval.arrays import check_kind, check_number, floats
 from maskval.camera import Camera
 from maskval.correspondences import Correspondences
 from maskval.errors import InvalidEstimatesError
 from maskval.geometry import Pose, as_pose, as_poses
+from maskval.inputs.arrays import check_kind, check_number, floats
 from maskval.mesh import Mesh
 
 _FLAGS = ("depth", "X_BC", "correspondences", "rgb")

@@ -8,8 +8,8 @@ from typing import ClassVar, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from maskval.arrays import floats
 from maskval.errors import InvalidPoseError
+from maskval.inputs.arrays import floats
 
 # A float32 rotation is orthonormal to about 2e-7; a matrix typed with five digits is not a rotation.
 ROTATION_TOLERANCE = 1e-6

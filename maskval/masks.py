@@ -10,8 +10,8 @@ from typing import Any, Literal, Self, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from maskval.arrays import floats
 from maskval.errors import InvalidArgumentError, InvalidMaskError
+from maskval.inputs.arrays import floats
 
 Implementation = Literal["numba", "numpy"]
 Packed = tuple[NDArray[np.uint64], NDArray[np.int64], bool]

@@ -8,9 +8,9 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from maskval.arrays import floats
 from maskval.contour import ContourEdges, contour_edges
 from maskval.errors import InvalidMeshError
+from maskval.inputs.arrays import floats
 
 # The parts of this field are centimetres long: ten metres mean that the file was in millimetres.
 MAXIMUM_DIAMETER_M = 10.0

@@ -8,10 +8,10 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike, NDArray
 
-from maskval.arrays import floats
 from maskval.camera import Camera
 from maskval.errors import InvalidPoseError
 from maskval.geometry import Pose, PoseLike, PosesLike, angle_between, as_pose, as_poses
+from maskval.inputs.arrays import floats
 
 
 def mdd(X_AO_est: PoseLike, X_AO_true: PoseLike, points_O: ArrayLike) -> float:

@@ -9,9 +9,9 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from maskval.arrays import check_number, floats
 from maskval.errors import InvalidPoseError
 from maskval.geometry import Pose, PosesLike, as_poses
+from maskval.inputs.arrays import check_number, floats
 from maskval.mesh import Mesh
 
 # BOP's evaluation turns an object so that its farthest vertex moves by at most 1 % of the diameter per step.

@@ -4,10 +4,10 @@ from itertools import product
 
 import numpy as np
 
+from cell.arm.ur10 import inverse_on_branch
 from cell.grasping import look_at
 from cell.interfaces import Observation
 from cell.setup import PolicySetup
-from cell.ur10 import inverse_on_branch
 from cell.viewpoints import REFINE_DISTANCE
 from maskval import Pose
 

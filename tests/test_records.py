@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 import maskval
+from cell.arm.trajectory import JointTrajectory
 from cell.interfaces import Detection, Frame
-from cell.trajectory import JointTrajectory
 from maskval import Camera, Correspondences, Estimates, ImageErrors, Mesh, PackedMasks, Pose, SymmetryAxis, bop
 from maskval.evaluation.matching import Evaluation
 from maskval.evaluation.metrics import RecallCurve, sweep

@@ -11,11 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cell.layout import default_camera
+from cell.part import pose_error
 from experiments.dataset.batch import annotate
 from experiments.dataset.coco import Annotations, MaskFigures, mask_figures
 from experiments.dataset.metrics import Figures, figures, from_least
 from experiments.dataset.rules import ANNOTATED_VISIBILITY, Rules
-from maskval import ImageErrors, PackedMasks, add, match_images, mdd, uncertainty
+from maskval import ImageErrors, PackedMasks, add, match_images, uncertainty
 from sim.images.generated import Recipe, make_image
 from sim.instance_ids import NO_INSTANCE, PIXEL_CENTER
 from sim.model.parts import load_part
@@ -103,14 +104,15 @@ def _packed(truth: FrameTruth, masks: list[Mask]) -> Found:
 
 
 def _method_figures(images: ImageSet, found: list[Found], noise: PoseNoise) -> dict[str, Figures]:
-    mesh, camera = load_part(images.part).part.mesh, default_camera()
+    part_kind, camera = load_part(images.part).part, default_camera()
+    mesh = part_kind.mesh
     errors, u, disagreement_m = [], [], []
     for image, one in zip(_images(images), found, strict=True):
         first, second = estimate(image.truth, image.latents, one.false, one.parts, noise)
         table = np.full((len(one.parts), len(image.truth.X_CO_true)), np.inf)
         for index, part in enumerate(one.parts):
             if part != NO_INSTANCE:
-                table[index, part] = mdd(first[index], image.truth.X_CO_true[part], mesh.vertices)
+                table[index, part] = pose_error(first[index], image.truth.X_CO_true[part], mesh, part_kind.symmetries)
         errors.append(ImageErrors(table, np.zeros(len(first)), image.truth.visibility))
         u.append(uncertainty(mesh, first, one.masks, camera, pixel_center=PIXEL_CENTER).u)
         disagreement_m += [add(X1, X2, mesh.vertices) for X1, X2 in zip(first, second, strict=True)]

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from experiments.errors import UsageError
 from experiments.results.paper import calibration_text, parts_with_figures
 from maskval import InvalidFileError
-from maskval.input_files import read_input_text
+from maskval.inputs.files import read_input_text
 from sim.errors import NoiseFileError
 from sim.networks.noise_model import PartNoise, bounds
 

@@ -15,11 +15,12 @@ from experiments.results.table_files import write_tables
 from experiments.setup.checks import FAILED
 from experiments.setup.experiment import ExperimentSpec
 from experiments.setup.options_file import write_manifest
+from experiments.units.asked import Asked
 from experiments.units.execution import Ended, Executor, execute, locally, missing
 from experiments.units.identity import describe
 from experiments.units.interruption import terminations_raised
 from experiments.units.ray_cluster import on_ray
-from experiments.units.run_folder import Asked, RunFolder
+from experiments.units.run_folder import RunFolder
 from experiments.units.stopping import Stopping
 from experiments.units.summary import Summary, caveats_of, counted_of, summarise, thresholds_of
 from sim.model.conditions import Conditions

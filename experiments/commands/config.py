@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import tyro
 
-from cell.motion_limits import PRESETS
+from cell.arm.limits import PRESETS
 from experiments.errors import UsageError
 from experiments.setup.actors import Actors
 from experiments.setup.checks import all_at_least, check_cell, check_part_and_method, one_of, worker_count

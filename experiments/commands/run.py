@@ -1,9 +1,7 @@
 """`graspcell run`: one experiment, reported step by step."""
 
-import numpy as np
-from numpy.typing import NDArray
-
 from cell.interfaces import Action, Decision
+from cell.part import Part, pose_error
 from cell.records import AttemptRecord, DecisionRecord, State, TimeSlot, Transition
 from experiments.commands.config import Run
 from experiments.results.store import LogWriter
@@ -11,7 +9,6 @@ from experiments.setup.checks import FAILED, writable_folder
 from experiments.setup.experiment import run_experiment
 from experiments.setup.options_file import write_manifest
 from experiments.viewing.watch import watched
-from maskval import mdd
 from sim.model.parts import load_part
 from sim.networks.ground_truth import LatestTruth
 
@@ -28,7 +25,7 @@ def run(config: Run) -> int:
     folder = None if config.out is None else writable_folder(config.out)
     if config.rerun is not None:
         writable_folder(config.rerun.parent)
-    mesh, where = load_part(spec.part).part.mesh, config.where
+    kind, where = load_part(spec.part).part, config.where
 
     title = (
         f"{spec.part} × {spec.method}, experiment {spec.experiment} of seed {spec.seed}, {spec.estimator} estimators"
@@ -36,7 +33,7 @@ def run(config: Run) -> int:
     with watched(spec, where, config.rerun, lambda line: print(line, flush=True), title) as shown:
 
         def tell(record: object, latest_truth: LatestTruth) -> None:
-            for line in lines(record, latest_truth, mesh.vertices):
+            for line in lines(record, latest_truth, kind):
                 print(line, flush=True)
             shown(record, latest_truth)
 
@@ -56,11 +53,11 @@ def run(config: Run) -> int:
     return 0
 
 
-def lines(record: object, latest_truth: LatestTruth, vertices_O: NDArray[np.float64]) -> list[str]:
+def lines(record: object, latest_truth: LatestTruth, kind: Part) -> list[str]:
     """The lines printed for a record; errors against the truth are marked as such."""
     match record:
         case DecisionRecord():
-            return _seen_lines(record, latest_truth, vertices_O)
+            return _seen_lines(record, latest_truth, kind)
         case AttemptRecord():
             cause = f" ({record.contact.force:.0f} N in {record.last_state})" if record.contact else ""
             grasp = f"grasp {record.grasp}" if record.grasp else "no grasp"
@@ -78,7 +75,7 @@ def _is_second_thought(change: Transition) -> bool:
     return change.target is State.DECIDE and change.source is not State.LOOK
 
 
-def _seen_lines(seen: DecisionRecord, latest_truth: LatestTruth, vertices_O: NDArray[np.float64]) -> list[str]:
+def _seen_lines(seen: DecisionRecord, latest_truth: LatestTruth, kind: Part) -> list[str]:
     observation, decision = seen.observation, seen.decision
     frame = observation.frame
     truth = latest_truth.of(frame)
@@ -88,7 +85,7 @@ def _seen_lines(seen: DecisionRecord, latest_truth: LatestTruth, vertices_O: NDA
         part = truth.part_of(detection)
         error = "shows no part"
         if part is not None:
-            distance = mdd(observation.poses[0][index], truth.X_CO_true[part], vertices_O)
+            distance = pose_error(observation.poses[0][index], truth.X_CO_true[part], kind.mesh, kind.symmetries)
             error = f"part {part}, true error {1000 * distance:.1f} mm"
         told.append(
             f"             detection {index}: {int(detection.mask.sum())} px, score {detection.score:.2f}, "

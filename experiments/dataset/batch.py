@@ -9,12 +9,12 @@ from numpy.typing import NDArray
 
 from cell.interfaces import Detection
 from cell.layout import default_camera
-from cell.part import Part
+from cell.part import Part, pose_error
 from experiments.dataset.coco import Annotations, Matches
 from experiments.errors import UsageError
 from experiments.setup.methods import Context, make_uncertainty
 from experiments.setup.thresholds import Thresholds
-from maskval import Estimates, UncertaintyMethod, add, mdd, needs_of
+from maskval import Estimates, Pose, UncertaintyMethod, add, needs_of
 from sim.images.generated import GeneratedImage, Recipe, draw_nearest, make_image
 from sim.instance_ids import NO_INSTANCE, PIXEL_CENTER
 from sim.model.parts import load_part
@@ -100,7 +100,7 @@ def run_batch(task: BatchTask) -> tuple[Judged, Matches]:
         estimates = estimate_image(image.truth, noise, streams)
         annotate(annotations, image.truth, estimates.detections, task.annotated_visibility)
         latest_truth.keep(image.truth)
-        images.append(_judge(image, estimates, methods))
+        images.append(_judge(image, estimates, methods, model.part.symmetries))
     return Judged.join(images), annotations.matches()
 
 
@@ -132,13 +132,15 @@ def make_uncertainties(
     return made
 
 
-def _judge(image: GeneratedImage, found: ImageEstimates, methods: dict[str, UncertaintyMethod]) -> Judged:
+def _judge(
+    image: GeneratedImage, found: ImageEstimates, methods: dict[str, UncertaintyMethod], symmetries: tuple[Pose, ...]
+) -> Judged:
     truth, (first, second) = image.truth, found.poses
     mesh, camera = truth.mesh, truth.camera
     depth = any(needs_of(method).depth for method in methods.values())
     shown = [truth.X_CO_true[part] if part != NO_INSTANCE else None for part in found.parts]
     errors = (
-        np.inf if X_true is None else mdd(X_est, X_true, mesh.vertices)
+        np.inf if X_true is None else pose_error(X_est, X_true, mesh, symmetries)
         for X_est, X_true in zip(first, shown, strict=True)
     )
     masks = np.empty((len(first), camera.height, camera.width), dtype=np.bool_)

@@ -22,7 +22,7 @@ from experiments.dataset.metrics import (
 )
 from experiments.dataset.rules import ALTERNATIVES, Rules
 from maskval import Measured, RecallCurve, rates
-from maskval.intervals import percentile_interval
+from maskval.statistics.intervals import percentile_interval
 
 LEVEL = 0.95
 PAPERS_METHODS = ("ensemble-add", "maskval")

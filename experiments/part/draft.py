@@ -9,6 +9,7 @@ from experiments.errors import UsageError
 from experiments.part.config import MakePart
 from experiments.part.files import Draft
 from maskval import InvalidFileError
+from maskval.inputs.files import check_input
 from sim.errors import PartFileError
 from sim.model.parts import part_names
 from sim.part_making.frame import choose_frame
@@ -34,7 +35,12 @@ def draft_of(config: MakePart, tell: Callable[[str], None]) -> Draft:
     path = config.mesh
     if path is None:
         raise UsageError("expected a mesh file, got none")
+    try:
+        check_input(path)
+    except InvalidFileError as error:
+        raise UsageError(f"mesh file {error}") from error
     name = _name(config.name or re.sub(r"[^A-Za-z0-9_.-]", "-", path.stem).lstrip("_.-"))
+    tell(f"reading {path.name} ...")
     try:
         surface = read_surface(path, config.unit)
     except InvalidFileError as error:

@@ -6,14 +6,17 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from cell.layout import Container, Gripper
+from cell.layout import Container, Gripper, Layout
+from cell.part import Part
 from experiments.part.files import Draft
 from experiments.part.trials import FELL, Tried
+from maskval import Mesh
 from sim.errors import SimError
 from sim.model.parts import load_part
 from sim.networks.noise_model import load_noise
 from sim.part_making.fingers import LEAST_CLEARANCE
-from sim.parts.part_checks import warnings_of
+from sim.part_making.reach import ENOUGH, belt_share
+from sim.parts.part_checks import tilt_of, warnings_of
 from sim.parts.stable_poses import RestingPose
 
 LOWEST = 0.004  # m; of a lower part the pads get no hold
@@ -23,12 +26,15 @@ _SLOTS = Container().rows * Container().columns
 
 def check_lines(path: Path) -> tuple[list[str], bool]:
     """What is wrong or probably not meant in a part's file, a line each, and whether the file is refused."""
+    if path.suffix != ".toml":
+        return [f"error: {path}: expected the .toml file of a part; `graspcell part MESH` makes one from a mesh"], True
     try:
         model = load_part(str(path))
         load_noise(model.noise)
     except SimError as error:
         return [f"error: {' '.join(str(error).split())}"], True
-    warnings = [f"warning: {path}: {line}" for line in warnings_of(model.part, model.resting_poses, model.pieces)]
+    told = [*warnings_of(model.part, model.resting_poses, model.pieces), *out_of_reach(model.part, model.resting_poses)]
+    warnings = [f"warning: {path}: {line}" for line in told]
     poses, grasps = len(model.resting_poses), len(model.part.grasps)
     return [
         *warnings,
@@ -48,7 +54,25 @@ def report_lines(draft: Draft, tried: Sequence[Tried]) -> list[str]:
         lines.append(f"{index:11}  {pose.probability:5.1%}  {up}  {name:9}  {_held(results)}")
     lines += _uncovered(draft)
     if draft.chosen:
+        mesh = Mesh(draft.mesh.vertices, draft.mesh.faces)
+        grasps = tuple(one.grasp for one in draft.chosen)
+        lines += out_of_reach(Part(draft.name, mesh, grasps, draft.slot.size), draft.poses)
         lines.append(_slot_line(draft))
+    return lines
+
+
+def out_of_reach(part: Part, poses: Sequence[RestingPose]) -> list[str]:
+    """The stable poses with a grasp from above that the arm does not reach everywhere on the belt, a line each."""
+    lines = []
+    for index, pose in enumerate(poses):
+        if not any(tilt_of(grasp, pose) <= grasp.max_tilt for grasp in part.grasps):
+            continue
+        share = belt_share(part, pose, Layout())
+        if share < ENOUGH:
+            where = f"on {share:.1%} of the belt only" if share > 0 else "nowhere on the belt"
+            lines.append(
+                f"poses[{index}]: the arm reaches a part that lies so, {pose.probability:.1%} of them, {where}"
+            )
     return lines
 
 

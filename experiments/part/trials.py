@@ -8,10 +8,10 @@ from itertools import islice
 
 import numpy as np
 
+from cell.arm.limits import PRESETS
 from cell.attempt import Attempt
 from cell.interfaces import Outcome
 from cell.motion import Motion
-from cell.motion_limits import PRESETS
 from cell.part import MAX_TILT
 from experiments.setup.pool import run_all
 from sim.model.conditions import UNDISTURBED

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from cell.records import Tally
 from experiments.results.first_attempts import FirstAttempts
-from maskval.intervals import percentile_interval
+from maskval.statistics.intervals import percentile_interval
 
 EXPERIMENTS = 5  # of the paper's robot per cell
 LEVEL = 0.95

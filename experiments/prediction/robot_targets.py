@@ -6,7 +6,7 @@ from pathlib import Path
 from experiments.errors import UsageError
 from experiments.results.paper import ROBOT_TABLE
 from maskval import InvalidFileError
-from maskval.input_files import read_input_text
+from maskval.inputs.files import read_input_text
 from sim.errors import SimError
 from sim.model.parts import load_part
 from sim.networks.noise_model import load_noise

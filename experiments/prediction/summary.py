@@ -19,6 +19,7 @@ from experiments.results.paired import Paired, format_paired, pair
 from experiments.results.paper import ROBOT_TABLE
 from experiments.results.provenance import write_json
 from experiments.setup.policies import policy_name
+from maskval.inputs.files import read_input_text
 
 _COLUMN = 27
 
@@ -121,8 +122,15 @@ def _cell(rate: Rate) -> str:
 
 
 def main(file: Path) -> None:
-    """Rewrites the file and prints its tables."""
-    found = json.loads(file.read_text(encoding="utf-8"))
+    """Rewrites the file and prints its tables.
+
+    Raises:
+        SystemExit: the file cannot be read.
+    """
+    try:
+        found = json.loads(read_input_text(file))
+    except ValueError as error:
+        raise SystemExit(f"error: {error}") from error
     for name, variant in found["variants"].items():
         found["variants"][name] = reread(variant)
         print(format_summary(name, found["variants"][name]))

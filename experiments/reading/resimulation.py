@@ -14,8 +14,9 @@ from experiments.results.counted import Of
 from experiments.setup.actors import Actors
 from experiments.setup.experiment import ExperimentResult, ExperimentSpec, run_experiment
 from experiments.setup.policies import policy_name
+from experiments.units.asked import Asked
 from experiments.units.identity import Description, describe, differences
-from experiments.units.run_folder import Asked, RunFolder
+from experiments.units.run_folder import RunFolder
 from experiments.units.summary import of
 from experiments.units.unit import Unit, content_digest, unit_of
 from sim.model.conditions import Conditions

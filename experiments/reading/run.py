@@ -11,7 +11,10 @@ import pyarrow.parquet as pq
 
 from experiments.errors import UsageError
 from experiments.results.store import SCHEMA, SCHEMAS, UNITS
-from experiments.units.run_folder import ASKED, RunFolder
+from experiments.units.asked import ASKED
+from experiments.units.run_folder import RunFolder
+from maskval import InvalidFileError
+from maskval.inputs.files import check_input
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -89,7 +92,7 @@ def load(folder: Path) -> Run:
     Raises:
         UsageError: it holds no run, a damaged one, or tables of another version.
     """
-    if not (folder / ASKED).is_file():
+    if not (folder / ASKED).exists():
         return _of_files(folder)
     run = RunFolder.read(folder)
     return _of_files(folder) if _made_from(folder) == {run.units_digest()} else _of_units(run)
@@ -97,7 +100,7 @@ def load(folder: Path) -> Run:
 
 def _of_files(folder: Path) -> Run:
     files = {name: folder / f"{name}.parquet" for name in SCHEMAS}
-    missing = [file.name for file in files.values() if not file.is_file()]
+    missing = [file.name for file in files.values() if not file.exists()]
     if missing:
         raise UsageError(
             f"{folder}: expected the folder of a run, as compare and run --out write it, with {ASKED} or "
@@ -113,7 +116,9 @@ def _of_files(folder: Path) -> Run:
 
 def _schema_of(file: Path) -> pa.Schema:
     try:
-        return pq.read_schema(file)
+        return pq.read_schema(check_input(file))
+    except InvalidFileError as error:
+        raise UsageError(str(error)) from error
     except (OSError, pa.ArrowException) as error:
         raise UsageError(f"{file}: expected a table that compare or run has written: {error}") from error
 
@@ -123,8 +128,8 @@ def _made_from(folder: Path) -> set[str | None]:
     found = set()
     for name in SCHEMAS:
         try:
-            units = (pq.read_schema(folder / f"{name}.parquet").metadata or {}).get(UNITS)
-        except (OSError, pa.ArrowException):
+            units = (pq.read_schema(check_input(folder / f"{name}.parquet")).metadata or {}).get(UNITS)
+        except (OSError, InvalidFileError, pa.ArrowException):
             units = None
         found.add(None if units is None else units.decode())
     return found

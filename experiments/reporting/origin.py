@@ -4,8 +4,11 @@ import json
 from html import escape
 from typing import Any
 
+from experiments.errors import UsageError
 from experiments.reporting.data.command_lines import repeat
 from experiments.reporting.data.source import Source
+from maskval import InvalidFileError
+from maskval.inputs.files import read_input_text
 
 
 def took(source: Source, *, named: bool) -> str:
@@ -57,6 +60,20 @@ def _commit(source: Source, digits: int = 40) -> str:
 
 
 def _manifest(source: Source) -> dict[str, Any]:
+    """What the run wrote of itself; nothing where there is no such file yet.
+
+    Raises:
+        UsageError: the file cannot be read, or is damaged.
+    """
     file = source.folder.path / "manifest.json"
-    found: dict[str, Any] = json.loads(file.read_text(encoding="utf-8")) if file.is_file() else {}
+    if not file.exists():
+        return {}
+    try:
+        found = json.loads(read_input_text(file))
+    except InvalidFileError as error:
+        raise UsageError(str(error)) from error
+    except (ValueError, RecursionError) as error:
+        raise UsageError(f"{file} is damaged: {error}: expected what compare writes") from error
+    if not isinstance(found, dict):
+        raise UsageError(f"{file} is damaged: expected a table, got {type(found).__name__}")
     return found

@@ -9,7 +9,7 @@ from cell.records import Tally
 from experiments.results.pair_tests import PairTest, Who
 from experiments.results.table import Interval
 from maskval import mean_interval
-from maskval.cluster_intervals import clustered_rate_interval
+from maskval.statistics.cluster_intervals import clustered_rate_interval
 
 REFERENCE = "maskval"  # what the others are held against, if it is among them
 

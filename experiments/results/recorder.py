@@ -4,9 +4,9 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from cell.interfaces import Frame, Observation
-from cell.part import Part
+from cell.part import Part, pose_error
 from cell.records import AttemptRecord, DecisionRecord, FailedFrame, Tally, TimeSlot, Transition
-from maskval import Pose, mdd, rle_counts
+from maskval import Pose, rle_counts
 from sim.networks.ground_truth import FrameTruth, LatestTruth
 
 Row = dict[str, Any]
@@ -127,7 +127,7 @@ class Recorder:
             "true_part": part,
         }
         if part is not None:
-            errors = [mdd(pose, truth.X_CO_true[part], self.part.mesh.vertices) for pose in poses]
+            errors = [pose_error(pose, truth.X_CO_true[part], self.part.mesh, self.part.symmetries) for pose in poses]
             row["true_visibility"] = float(truth.visibility[part])
             row["true_mdd_m"] = errors[0]
             row["true_mdd_2_m"] = errors[1] if len(errors) > 1 else None

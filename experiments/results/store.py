@@ -82,7 +82,11 @@ _COLUMNS: dict[str, tuple[tuple[str, pa.DataType, str], ...]] = {
         ("X_CO_est_2", _POSE, f"second estimator, null if the method needs none: {_POSE_UNIT}"),
         ("true_part", pa.int32(), "TRUTH: the part that most of the mask's pixels show; null for a false detection"),
         ("true_visibility", pa.float64(), "TRUTH: visible share of the part's silhouette, in [0, 1]"),
-        ("true_mdd_m", pa.float64(), "TRUTH: largest distance error of the first estimator's pose, m"),
+        (
+            "true_mdd_m",
+            pa.float64(),
+            "TRUTH: maximum distance error of the first pose, least over symmetries, m",
+        ),
         ("true_mdd_2_m", pa.float64(), "TRUTH: the same of the second estimator's, m"),
     ),
     "decisions": (

@@ -8,7 +8,7 @@ from typing import Any
 from cell.records import Tally
 from experiments.results.first_attempts import FirstAttempts
 from maskval import proportion_interval
-from maskval.cluster_intervals import clustered_rate_interval
+from maskval.statistics.cluster_intervals import clustered_rate_interval
 
 Interval = tuple[float, float]
 

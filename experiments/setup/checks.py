@@ -10,7 +10,7 @@ from tempfile import TemporaryFile
 from typing import TYPE_CHECKING
 
 from experiments.errors import UsageError
-from maskval.spelling import nearest, shown
+from maskval.inputs.spelling import nearest, shown
 
 if TYPE_CHECKING:
     from experiments.setup.thresholds import Thresholds
@@ -35,8 +35,8 @@ _JOBS_PER_CORE, _FEW_JOBS = 4, 16  # more processes than cores only wait for one
 
 def check_cell(parts: int, seed: int, speed: str) -> None:
     """Raises UsageError unless the cell can be run with these options."""
+    from cell.arm.limits import PRESETS
     from cell.layout import Container
-    from cell.motion_limits import PRESETS
 
     container = Container()
     slots = container.rows * container.columns

@@ -10,8 +10,8 @@ from typing import Any
 
 from experiments.errors import UsageError
 from maskval import InvalidFileError
-from maskval.input_files import read_input_text
-from maskval.spelling import shown
+from maskval.inputs.files import read_input_text
+from maskval.inputs.spelling import shown
 from sim.errors import NoiseFileError
 from sim.model.parts import load_part
 from sim.networks.domain_gap import BASE_REACH, Gap, Reach

@@ -6,11 +6,11 @@ from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from pathlib import Path
 
+from cell.arm.limits import PRESETS
 from cell.cycle import Cycle, CycleConfig
 from cell.errors import CellError
 from cell.guards import TIME_LIMIT
 from cell.interfaces import Listener
-from cell.motion_limits import PRESETS
 from cell.records import Tally
 from cell.setup import EstimatorSetup
 from cell.viewpoints import REFINE_DISTANCE

@@ -10,7 +10,7 @@ from experiments.errors import UsageError
 from experiments.setup.plugins import chosen, make_object
 from experiments.setup.thresholds import Thresholds
 from maskval import Ensemble, InvalidEstimatesError, RandomUncertainty, UncertaintyMethod, needs_of
-from maskval.spelling import is_finite, shown
+from maskval.inputs.spelling import is_finite, shown
 from policies import Always, ThresholdPolicy
 from sim.networks.ground_truth import LatestTruth
 from sim.networks.oracles import OracleMask, OracleMdd
@@ -69,7 +69,7 @@ METHODS: dict[str, Callable[[Context], UncertaintyMethod]] = {
     "ensemble-add": _ensemble_add,
     "random": _random,
     "oracle-mask": lambda context: OracleMask(context.latest_truth),
-    "oracle-mdd": lambda context: OracleMdd(context.latest_truth),
+    "oracle-mdd": lambda context: OracleMdd(context.latest_truth, context.part.symmetries),
     **{name: _regardless(make) for name, make in maskval.NETWORK_METHODS.items()},
 }
 

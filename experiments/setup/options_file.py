@@ -11,8 +11,8 @@ from experiments.results.files import write_text
 from experiments.results.provenance import config_as_json, manifest, write_json
 from experiments.setup.names import option_name
 from maskval import InvalidFileError
-from maskval.input_files import read_input_text
-from maskval.spelling import nearest, shown
+from maskval.inputs.files import read_input_text
+from maskval.inputs.spelling import nearest, shown
 
 OPTION, NAME = "--config", "config.toml"
 _ELSEWHERE = ("jobs", "out")  # where to run and to write, which a repetition chooses anew

@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 
 from cell.guards import TIME_LIMIT, describe_error, guarded_call
 from experiments.errors import UsageError
-from maskval.spelling import nearest
+from maskval.inputs.spelling import nearest
 
 T = TypeVar("T")
 

@@ -15,8 +15,8 @@ from cell.perception import by_score
 from cell.setup import EstimatorSetup
 from experiments.errors import UsageError
 from experiments.results.store import SCHEMAS
-from maskval import MaskvalError, Pose, bop, mask_from_rle, mdd
-from maskval.input_files import MOST_RESULTS, check_input
+from maskval import InvalidFileError, MaskvalError, Pose, bop, mask_from_rle, mdd
+from maskval.inputs.files import MOST_RESULTS, check_input
 
 LOGS = ("frames.parquet", "estimates.parquet")
 MASKS, POSES = "masks.json", ("poses.csv", "poses_2.csv")  # of one network, or of two
@@ -103,13 +103,15 @@ def load_recording(folder: Path, setup: EstimatorSetup, method: str) -> Recordin
     """The recording of one experiment: the logs of compare or run, else poses and masks in BOP's files.
 
     Raises:
-        UsageError: the folder has neither, or nothing of this experiment.
-        MaskvalError: a BOP file is malformed.
+        UsageError: the folder has neither, nothing of this experiment, or a file that is malformed or no regular one.
     """
-    if all((folder / name).is_file() for name in LOGS):
-        return _of_logs(folder, setup, method)
-    if (folder / MASKS).is_file() and (folder / POSES[0]).is_file():
-        return _of_bop(folder, setup)
+    try:
+        if all((folder / name).exists() for name in LOGS):
+            return _of_logs(folder, setup, method)
+        if (folder / MASKS).exists() and (folder / POSES[0]).exists():
+            return _of_bop(folder, setup)
+    except InvalidFileError as error:
+        raise UsageError(str(error)) from error
     raise UsageError(
         f"{folder}: expected {', '.join(LOGS)}, as compare and run write them, or BOP's {MASKS} and {POSES[0]}"
     )
@@ -142,9 +144,9 @@ def _of_logs(folder: Path, setup: EstimatorSetup, method: str) -> Recording:
 
 def _of_bop(folder: Path, setup: EstimatorSetup) -> Recording:
     """Scene is the experiment, image the frame; detection i and pose i of an image belong together, in file order."""
-    files = [check_input(folder / file, MOST_RESULTS) for file in POSES if (folder / file).is_file()]
+    files = [folder / file for file in POSES if (folder / file).exists()]
     name = f"{folder}, scene {setup.experiment}"
-    found = _by_image(bop.read_detections(check_input(folder / MASKS, MOST_RESULTS)), setup.experiment)
+    found = _by_image(bop.read_detections(folder / MASKS), setup.experiment)
     networks = [_by_image(bop.read_results(file), setup.experiment) for file in files]
     if not found:
         raise UsageError(f"{name}: nothing recorded")
@@ -180,16 +182,15 @@ def _by_image(rows: Iterable[Row], scene: int) -> dict[int, list[Row]]:
 
 def _rows(file: Path, key: dict[str, object]) -> list[dict[str, Any]]:
     try:
-        table = pq.read_table(check_input(file), filters=[(name, "==", value) for name, value in key.items()])
+        table = pq.read_table(
+            check_input(file, MOST_RESULTS), filters=[(name, "==", value) for name, value in key.items()]
+        )
         schema, (needed, optional) = SCHEMAS[file.stem], _COLUMNS[file.stem]
         columns = [schema.field(name) for name in (*needed, *optional)]
         rows: list[dict[str, Any]] = table.select([*needed, *optional]).cast(pa.schema(columns)).to_pylist()
-    except (
-        OSError,
-        ValueError,
-        KeyError,
-        NotImplementedError,
-    ) as error:  # Arrow's, of a column missing or of another type
+    except InvalidFileError:
+        raise
+    except (OSError, ValueError, KeyError, NotImplementedError) as error:  # Arrow's, of a column missing or of a type
         reason = next(iter(str(error).splitlines()), "")
         raise UsageError(f"{file}: expected a log of compare or run: {reason}") from error
     for row in rows:

@@ -9,9 +9,9 @@ from typing import Any, Self
 
 from experiments.errors import UsageError
 from maskval import InvalidFileError
-from maskval.input_files import read_input_text
+from maskval.inputs.files import read_input_text
+from maskval.inputs.spelling import nearest, number
 from maskval.methods.ensemble import ENSEMBLE_MAXIMUM_M
-from maskval.spelling import nearest, number
 
 _PRESETS = files("experiments") / "presets"
 _FORM = (

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.special import chdtri
 
-from maskval.cluster_intervals import ASSUMED_CORRELATION
+from maskval.statistics.cluster_intervals import ASSUMED_CORRELATION
 
 
 @dataclass(frozen=True, slots=True)

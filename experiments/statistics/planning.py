@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.special import bdtr, nctdtr, stdtrit
 
 from experiments.statistics.pilot import Pilot
-from maskval.cluster_intervals import clustered_rate_interval
+from maskval.statistics.cluster_intervals import clustered_rate_interval
 
 Array = NDArray[np.float64]
 

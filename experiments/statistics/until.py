@@ -8,7 +8,7 @@ from typing import Literal
 
 from experiments.errors import UsageError
 from experiments.statistics.sequential import confidence_sequence, is_above, units_of
-from maskval.spelling import number as parsed
+from maskval.inputs.spelling import number as parsed
 
 Quantity = Literal["ap", "ar", "placed", "failed"]
 RATES: tuple[Quantity, ...] = ("ap", "ar")

@@ -14,6 +14,10 @@ from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from experiments.errors import UsageError
+from maskval import InvalidFileError
+from maskval.inputs.files import MOST_RESULTS, read_input
+
 if TYPE_CHECKING:
     from experiments.setup.experiment import ExperimentSpec
 
@@ -153,9 +157,16 @@ def _source_digest(module: str) -> str:
 
 
 def _contents(folder: Path) -> Iterable[tuple[str, bytes]]:
-    """The files of a recording, those that nobody reads left out."""
+    """The files of a recording, those that nobody reads left out.
+
+    Raises:
+        UsageError: one is no regular file, too large, or cannot be read.
+    """
     kept = ("frames.parquet", "estimates.parquet", "masks.json", "poses.csv", "poses_2.csv")
-    return ((name, (folder / name).read_bytes()) for name in kept if (folder / name).is_file())
+    try:
+        return [(name, read_input(folder / name, MOST_RESULTS)) for name in kept if (folder / name).exists()]
+    except InvalidFileError as error:
+        raise UsageError(str(error)) from error
 
 
 def _digest(contents: Iterable[tuple[str, bytes]]) -> str:

@@ -3,7 +3,6 @@
 import contextlib
 import fcntl
 import hashlib
-import json
 import os
 import shutil
 from collections.abc import Iterable, Iterator, Sequence
@@ -18,11 +17,11 @@ from experiments.results.provenance import write_json
 from experiments.results.store import SCHEMAS
 from experiments.setup.checks import writable_folder
 from experiments.setup.options_file import NAME
+from experiments.units.asked import ASKED, FORMAT, Asked, read_asked
 from experiments.units.identity import Description, differences
-from experiments.units.unit import Unit, content_digest, place, unpacked
+from experiments.units.unit import Unit, content_digest, place, read_packed, unpacked
 
-FORMAT = 1
-ASKED, _LOCK, _UNITS, _FAILED = "run.json", ".lock", "units", "failed"
+_LOCK, _UNITS, _FAILED = ".lock", "units", "failed"
 _WRITTEN = (
     "table.json",
     "table.csv",
@@ -31,27 +30,6 @@ _WRITTEN = (
     "manifest.json",
     *(f"{name}.parquet" for name in SCHEMAS),
 )
-
-
-@dataclass(frozen=True, slots=True)
-class Asked:
-    """A cell of the table that was asked for.
-
-    Attributes:
-        description: of its experiment 0; the others differ in number and noise alone.
-        experiments: how many were asked for.
-        options: of the command that asked last, as JSON has them, without those that change no result.
-    """
-
-    description: Description
-    experiments: int
-    options: dict[str, Any] = field(default_factory=dict)
-
-    @property
-    def of(self) -> dict[str, str]:
-        """Object, method and policy."""
-        found: dict[str, str] = self.description["of"]
-        return found
 
 
 @dataclass(slots=True)
@@ -74,7 +52,7 @@ class RunFolder:
         with _locked(path):
             if overwrite:
                 _empty(path)
-            folder = cls(path, *_read_asked(path))
+            folder = cls(path, *read_asked(path))
             if not folder.asked and any((path / name).exists() for name in _WRITTEN):
                 raise UsageError(
                     f"{path} holds results without {ASKED}, as version 0.2.0 and `run --out` write them: expected "
@@ -90,7 +68,7 @@ class RunFolder:
         Raises:
             UsageError: it holds no run.
         """
-        asked, options = _read_asked(path)
+        asked, options = read_asked(path)
         if not asked:
             raise UsageError(f"{path}: expected the folder of a run, as compare writes it, with {ASKED}")
         return cls(path, asked, options)
@@ -169,7 +147,7 @@ class RunFolder:
             self._file(place, ok=False).unlink(missing_ok=True)
 
     def _compare(self, file: Path, packed: bytes) -> None:
-        there, here = content_digest(file.read_bytes()), content_digest(packed)
+        there, here = content_digest(read_packed(file)), content_digest(packed)
         if there != here:
             other = file.with_name(f"{file.name.partition('.')[0]}.other-{here}.json.gz")
             with replacing(other) as content:
@@ -191,7 +169,7 @@ class RunFolder:
         """
         files = ((cell, file) for cell in self.asked for file in self._files_of(cell))
         for cell, file in counted(files, "experiment", "read", self.expected, after=SHOWN_AFTER):
-            unit = Unit.from_bytes(file.read_bytes(), str(file))
+            unit = Unit.from_bytes(read_packed(file), str(file))
             if unit.description["of"] == cell.of:
                 yield unit
 
@@ -202,7 +180,7 @@ class RunFolder:
         """
         total = hashlib.sha256()
         for file in (file for cell in self.asked for file in self._files_of(cell)):
-            failure = content_digest(file.read_bytes()) if file.parts[-3] == _FAILED else ""
+            failure = content_digest(read_packed(file)) if file.parts[-3] == _FAILED else ""
             total.update(f"{file.parent.name}/{file.name} {failure}\n".encode())
         return total.hexdigest()[:16]
 
@@ -213,7 +191,7 @@ class RunFolder:
             UsageError: a unit is damaged.
         """
         for file in (file for cell in self.asked for file in self._files_of(cell)):
-            packed = file.read_bytes()
+            packed = read_packed(file)
             unit = Unit.from_bytes(packed, str(file))
             yield unit.place, unit.failure is None, packed
 
@@ -230,23 +208,6 @@ class RunFolder:
 def _number(name: str) -> int:
     """The number of the experiment in a unit's name."""
     return int(name.partition("-")[0])
-
-
-def _read_asked(path: Path) -> tuple[list[Asked], dict[str, Any]]:
-    file = path / ASKED
-    if not file.is_file():
-        return [], {}
-    try:
-        content = json.loads(file.read_text(encoding="utf-8"))
-        if content["format"] != FORMAT:
-            raise UsageError(f"{file}: expected format {FORMAT}, got {content['format']}")
-        return [Asked(**one) for one in content["cells"]], content["options"]
-    except (OSError, ValueError, KeyError, TypeError) as error:
-        if isinstance(error, UsageError):
-            raise
-        raise UsageError(
-            f"{file} is damaged ({type(error).__name__}: {error}): expected what compare writes"
-        ) from error
 
 
 @contextlib.contextmanager

@@ -9,8 +9,9 @@ from experiments.results.pair_tests import PairTest, letters, pair_tests
 from experiments.results.paired import Paired, pair
 from experiments.results.store import SCHEMAS, LogWriter
 from experiments.results.table import Cell, make_cell
+from experiments.units.asked import Asked
 from experiments.units.identity import Description
-from experiments.units.run_folder import Asked, RunFolder
+from experiments.units.run_folder import RunFolder
 from experiments.units.unit import Unit
 
 

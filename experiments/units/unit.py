@@ -9,12 +9,15 @@ import re
 import traceback
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
 from cell.records import Tally
 from experiments.errors import UsageError
 from experiments.results.first_attempts import FirstAttempts
 from experiments.units.identity import Description, canonical, describe, unit_name
+from maskval import InvalidFileError
+from maskval.inputs.files import MOST_RESULTS, read_input
 from sim.errors import GraphicsError, SimError
 
 if TYPE_CHECKING:
@@ -88,6 +91,21 @@ def place(description: Description) -> str:
     """Where a unit lies: a folder for its cell of the table, and its number and hash."""
     cell = ".".join(_UNSAFE.sub("_", description["of"][name])[:40] for name in ("object", "method", "policy"))
     return f"{cell}/{description['experiment']:06}-{unit_name(description)}"
+
+
+def read_packed(file: Path) -> bytes:
+    """The bytes of a unit's file.
+
+    Raises:
+        FileNotFoundError: it is not there any more: a retried experiment replaces the one that failed.
+        UsageError: it is no regular file, too large, or cannot be read.
+    """
+    try:
+        return read_input(file, MOST_RESULTS)
+    except InvalidFileError as error:
+        if isinstance(error.__cause__, FileNotFoundError):
+            raise error.__cause__ from None
+        raise UsageError(str(error)) from error
 
 
 def unpacked(packed: bytes) -> bytes:

@@ -24,8 +24,8 @@ class Uq:
     results: Path
     """The poses: a results file of BOP, .csv."""
     masks: str
-    """Detections with masks, .json or .json.gz (BOP's results of 2022, COCO run lengths or polygons); or the data
-    set's own masks: mask_visib, or mask."""
+    """Detections with masks, .json or .json.gz (BOP's results of 2022, or a whole COCO file; run lengths or
+    polygons); or the data set's own masks: mask_visib, or mask."""
     split: str = "test"
     """Folder of the scenes in the data set."""
     association: Literal["greedy", "optimal", "known"] = "greedy"

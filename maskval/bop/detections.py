@@ -1,12 +1,16 @@
-"""Detections with masks as BOP's results JSON of 2022, after COCO: one object for each detection."""
+"""Detections with masks as BOP's results JSON of 2022, after COCO: one object for each detection.
 
-from collections.abc import Callable, Iterable
+A whole file in COCO's layout is read too.
+"""
+
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from maskval.bop.coco import annotations
 from maskval.bop.fields import Entry, read_json, warn_of_scores, write_entries
 from maskval.errors import InvalidFileError, InvalidMaskError
 from maskval.masks import mask_from_polygons, mask_from_rle, rle_counts
@@ -48,8 +52,10 @@ def read_detections(path: Path, image_size: ImageSize | None = None) -> list[Det
     """The detections of a results file, their masks as run lengths, plain or compressed, or as polygons.
 
     Args:
-        path: The JSON file.
-        image_size: What tells the size of an image, which polygons are drawn into: `Dataset.image_size`.
+        path: The JSON file: a list of detections, or a whole file in COCO's layout. In the latter, the file_name of an
+            image tells scene and image, category_id is the object, and the score is 1 where there is none.
+        image_size: What tells the size of an image, which polygons are drawn into: `Dataset.image_size`. A file in
+            COCO's layout tells it itself.
 
     Raises:
         InvalidFileError: If an entry is malformed or stands there twice, its run lengths do not fill the image, or
@@ -57,8 +63,7 @@ def read_detections(path: Path, image_size: ImageSize | None = None) -> list[Det
     """
     found: list[DetectionResult] = []
     first: dict[tuple[object, ...], int] = {}
-    for index, entry in enumerate(read_json(path).elements()):
-        one = _detection(entry, image_size)
+    for index, (entry, one) in enumerate(_each(read_json(path), path, image_size)):
         key = (one.scene_id, one.im_id, one.obj_id, one.score, one.rle)
         if (before := first.setdefault(key, index)) != index:
             raise InvalidFileError(f"{entry.place}: expected each detection once, but this is the one at [{before}]")
@@ -91,20 +96,33 @@ def write_detections(path: Path, detections: Iterable[DetectionResult]) -> None:
     )
 
 
-def _detection(entry: Entry, image_size: ImageSize | None) -> DetectionResult:
-    scene_id, im_id, obj_id = (entry[name].identifier() for name in ("scene_id", "image_id", "category_id"))
-    segmentation = entry["segmentation"]
+def _each(root: Entry, path: Path, image_size: ImageSize | None) -> Iterator[tuple[Entry, DetectionResult]]:
+    if "annotations" in root:
+        for one in annotations(root, path):
+            score = one.entry["score"].number() if "score" in one.entry else 1.0
+            yield one.entry, _detection(one.entry, one.scene_id, one.im_id, score, one.size)
+    else:
+        for entry in root.elements():
+            scene_id, im_id = entry["scene_id"].identifier(), entry["image_id"].identifier()
+            size = None
+            if isinstance(entry["segmentation"].value, list) and image_size is not None:
+                size = image_size(scene_id, im_id)
+            yield entry, _detection(entry, scene_id, im_id, entry["score"].number(), size)
+
+
+def _detection(entry: Entry, scene_id: int, im_id: int, score: float, size: tuple[int, int] | None) -> DetectionResult:
+    """The detection of an entry; polygons are drawn into an image of this size, (height, width)."""
+    obj_id, segmentation = entry["category_id"].identifier(), entry["segmentation"]
     if isinstance(segmentation.value, list):
-        if image_size is None:
+        if size is None:
             raise segmentation.error("run lengths, or image_size for polygons")
-        size = image_size(scene_id, im_id)
         rle = _run_lengths_of_polygons(segmentation, *size)
     else:
         size, rle = _run_lengths(segmentation)
     time_s = entry["time"].number() if "time" in entry else -1.0
     if time_s < 0 and time_s != -1:
         raise entry["time"].error("seconds >= 0, or -1")
-    return DetectionResult(scene_id, im_id, obj_id, entry["score"].number(), rle, *size, time_s)
+    return DetectionResult(scene_id, im_id, obj_id, score, rle, *size, time_s)
 
 
 def _run_lengths(segmentation: Entry) -> tuple[tuple[int, int], tuple[int, ...]]:

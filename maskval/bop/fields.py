@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from maskval.bop.places import Place
 from maskval.errors import ImplausibleInputWarning, InvalidFileError
-from maskval.input_files import MOST_RESULTS, read_input
+from maskval.inputs.files import MOST_RESULTS, read_input
 
 M_PER_MM = 1e-3
 _GREATEST = sys.float_info.max

@@ -10,10 +10,11 @@ from numpy.typing import NDArray
 
 from maskval.bop.fields import M_PER_MM
 from maskval.errors import InvalidArgumentError, InvalidFileError
-from maskval.input_files import MOST_IMAGE, check_input, read_input
+from maskval.inputs.files import MOST_IMAGE, check_input, read_input
 from maskval.masks import MAXIMUM_PIXELS
 
 _PNG = b"\x89PNG\r\n\x1a\n"  # then the size of a block, IHDR, and the image's width and height
+_LOSSY = (".jpg", ".jpeg")
 _PNG_HEADER = 24  # bytes of these
 
 
@@ -35,9 +36,20 @@ def read_mask(path: Path) -> NDArray[np.bool_]:
     Raises:
         InvalidFileError: If it is no image, or holds another value.
     """
+    others = [path.with_suffix(ending).name for ending in _LOSSY if path.with_suffix(ending).exists()]
+    if others and not path.exists():
+        raise InvalidFileError(
+            f"{path} does not exist: expected a PNG file, but found {others[0]}: JPEG makes other values of a mask's"
+        )
     image = _read(path)
-    if image.ndim != 2 or image.dtype != np.uint8 or not ((image == 0) | (image == 255)).all():
+    if image.ndim != 2 or image.dtype != np.uint8:
         raise InvalidFileError(f"{path}: expected a grey image of 0 and 255, but found {image.dtype} {image.shape}")
+    other = image[(image != 0) & (image != 255)]
+    if other.size:
+        raise InvalidFileError(
+            f"{path}: expected a grey image of 0 and 255, but found {int(other[0])}, and {other.size} "
+            "pixels of other values in all (JPEG makes such)"
+        )
     return image > 0
 
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from maskval.bop.fields import is_whole, numbers_of
 from maskval.errors import InvalidFileError
-from maskval.input_files import MOST_MESH, read_input
+from maskval.inputs.files import MOST_MESH, read_input
 
 TYPES = {
     "char": "i1",

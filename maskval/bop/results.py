@@ -12,7 +12,7 @@ from maskval.bop.fields import M_PER_MM, is_whole, numbers_of, warn_of_scores
 from maskval.bop.poses import PoseReader
 from maskval.errors import InvalidFileError
 from maskval.geometry import Pose, as_pose
-from maskval.input_files import MOST_RESULTS, read_input_text
+from maskval.inputs.files import MOST_RESULTS, read_input_text
 
 FIELDS = ("scene_id", "im_id", "obj_id", "score", "R", "t", "time")
 # What BOP writes for a time that was not measured.

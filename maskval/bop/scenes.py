@@ -8,12 +8,12 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from maskval.arrays import floats
 from maskval.bop.fields import M_PER_MM, Entry, read_json, write_entries
 from maskval.bop.poses import PoseReader
 from maskval.camera import Camera
 from maskval.errors import InvalidCameraError, InvalidFileError, MaskvalError
 from maskval.geometry import Pose, as_pose
+from maskval.inputs.arrays import floats
 
 T = TypeVar("T")
 GREATEST_PX = 1e7  # of a focal length or principal point: beyond any lens, and what a kernel can count with

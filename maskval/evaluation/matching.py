@@ -7,9 +7,9 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from maskval.arrays import check_number, floats, wholes
 from maskval.association import UNMATCHED, associate
 from maskval.errors import InvalidEvaluationError
+from maskval.inputs.arrays import check_number, floats, wholes
 
 # The paper's θ_v: an unfound part counts as a false negative only if it is at least this visible.
 VISIBILITY_THRESHOLD = 0.85

@@ -13,9 +13,9 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from maskval.arrays import check_number, floats
 from maskval.errors import InvalidEvaluationError
 from maskval.evaluation.matching import NO_PART, Counting, Evaluation
+from maskval.inputs.arrays import check_number, floats
 
 # Sums of thousands of precisions: a demanded AP is met if it is missed by rounding only.
 ROUNDING = 1e-12

@@ -6,10 +6,10 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike, NDArray
 
-from maskval.arrays import floats
 from maskval.errors import InvalidEvaluationError
 from maskval.evaluation.matching import Evaluation
-from maskval.intervals import percentile_interval
+from maskval.inputs.arrays import floats
+from maskval.statistics.intervals import percentile_interval
 
 
 def spearman(u: ArrayLike, errors: ArrayLike) -> float | None:

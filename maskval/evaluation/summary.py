@@ -7,13 +7,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from maskval.arrays import check_number
 from maskval.errors import InvalidEvaluationError
 from maskval.evaluation.matching import Counting, Evaluation
 from maskval.evaluation.metrics import DEMANDED_AP, MAXIMUM_ERROR_M, rates, recall_curve
 from maskval.evaluation.ranking import aurc, auroc, spearman
 from maskval.evaluation.thresholds import certified_threshold, conformal_threshold, paper_threshold
-from maskval.intervals import percentile_interval
+from maskval.inputs.arrays import check_number
+from maskval.statistics.intervals import percentile_interval
 
 # The paper's e_t for its robot, and the steps of its curves.
 ERROR_THRESHOLD_M = 0.015

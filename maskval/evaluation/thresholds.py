@@ -6,10 +6,10 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike, NDArray
 
-from maskval.arrays import check_number, floats
 from maskval.errors import InvalidEvaluationError
 from maskval.evaluation.matching import Counting, Evaluation
 from maskval.evaluation.metrics import DEMANDED_AP, sweep
+from maskval.inputs.arrays import check_number, floats
 
 # Thresholds that are looked at for a guarantee: few, because each has to hold against the luck of all.
 GRID = tuple(np.arange(1, 21) / 20)

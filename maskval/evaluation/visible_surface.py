@@ -3,10 +3,10 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from maskval.arrays import check_number, floats
 from maskval.camera import Camera
 from maskval.errors import InvalidPoseError
 from maskval.geometry import PoseLike
+from maskval.inputs.arrays import check_number, floats
 from maskval.mesh import Mesh
 from maskval.rendering.depth import depth_image
 

@@ -6,12 +6,12 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from maskval.arrays import check_number, floats
 from maskval.association import UNMATCHED, Rule, associate
 from maskval.camera import Camera
 from maskval.errors import InvalidEstimatesError, InvalidMaskError
 from maskval.estimates import Estimates
 from maskval.geometry import PosesLike, as_poses
+from maskval.inputs.arrays import check_number, floats
 from maskval.masks import PackedMasks
 from maskval.mesh import Mesh
 from maskval.rendering.silhouettes import silhouette_iou

@@ -6,12 +6,12 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from maskval.arrays import check_number
 from maskval.camera import Camera
 from maskval.correspondences import Correspondences, jacobian
 from maskval.errors import InvalidEstimatesError
 from maskval.estimates import Estimates, Needs
 from maskval.geometry import Pose
+from maskval.inputs.arrays import check_number
 
 WITHIN_PX = 2.0
 ERROR_M = 0.015  # at which u of a covariance is 1/2: the paper's error threshold

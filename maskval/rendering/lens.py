@@ -5,8 +5,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from maskval.arrays import check_number
 from maskval.camera import Camera
+from maskval.inputs.arrays import check_number
 
 Floats = NDArray[np.float64]
 Lens = tuple[float, float, float, float, float]  # fx, skew, cx, fy, cy, pixels; centres of pixels at whole numbers

@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 
 from cell.interfaces import Detection, Frame, Image, MaskEstimator, Observation, Outcome
 from cell.layout import Layout
-from maskval import UncertaintyMethod, mdd
-from maskval.spelling import shown
+from cell.part import pose_error
+from maskval import UncertaintyMethod
+from maskval.inputs.spelling import shown
 from sim.errors import EnvOptionError
 from sim.gym.checks import check_keys, check_kind, check_name, check_whole
 from sim.gym.observation import AllMethods, DetectionEncoder, Encoded
@@ -155,10 +156,10 @@ class CellEnv(gymnasium.Env[Encoded, Action], Generic[Action]):
         told: Info = {"X_BO": np.array([(X_BW @ world.X_WO(part)).matrix for part in range(world.parts)])}
         if observation is None:
             return told
-        truth, vertices = self._latest_truth.of(observation.frame), world.part_model.part.mesh.vertices
+        truth, kind = self._latest_truth.of(observation.frame), world.part_model.part
         parts = [truth.part_of(detection) for detection in observation.detections]
         errors = [
-            None if part is None else mdd(X_CO_est, truth.X_CO_true[part], vertices)
+            None if part is None else pose_error(X_CO_est, truth.X_CO_true[part], kind.mesh, kind.symmetries)
             for part, X_CO_est in zip(parts, observation.poses[0], strict=True)
         ]
         return told | {"part": parts, "mdd_m": errors}

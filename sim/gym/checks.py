@@ -4,7 +4,7 @@ from collections.abc import Iterable, Mapping
 from numbers import Integral
 from typing import Any
 
-from maskval.spelling import is_finite, nearest, shown
+from maskval.inputs.spelling import is_finite, nearest, shown
 from sim.errors import EnvOptionError
 
 

@@ -8,9 +8,9 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
+from cell.arm.limits import PRESETS
 from cell.cycle import Cycle, CycleConfig, Deciding
 from cell.interfaces import Action, Decision, Observation
-from cell.motion_limits import PRESETS
 from cell.perception import Perception
 from cell.records import AttemptRecord, Tally, TimeSlot
 from sim.errors import DivergenceError

@@ -8,8 +8,8 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
+from cell.arm.ur10 import JOINT_LIMIT
 from cell.interfaces import Contact, Observation, Outcome
-from cell.ur10 import JOINT_LIMIT
 from sim.errors import DivergenceError
 from sim.gym.base import CellEnv, Info, Step, event
 from sim.gym.observation import WORKSPACE, Encoded, box

@@ -4,10 +4,10 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, fields
 from typing import get_args
 
+from cell.arm.limits import PRESETS
 from cell.interfaces import Image, Outcome
-from cell.motion_limits import PRESETS
 from maskval import METHODS, UncertaintyMethod, needs_of
-from maskval.spelling import is_finite, shown
+from maskval.inputs.spelling import is_finite, shown
 from sim.errors import EnvOptionError
 from sim.gym.checks import check_kind, check_name, check_names, check_number, check_whole
 from sim.model.conditions import Conditions

@@ -3,12 +3,12 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from cell.arm.trajectory import JointTrajectory
+from cell.arm.ur10 import SPEED_LIMITS, forward, inverse_on_branch
 from cell.attempt import CLOSING_TIME, GRIP, RELEASE_TIME
 from cell.interfaces import Contact, Station, Touch
 from cell.layout import Layout
 from cell.motion import EVERYTHING, HOLDING
-from cell.trajectory import JointTrajectory
-from cell.ur10 import SPEED_LIMITS, forward, inverse_on_branch
 from maskval import Pose
 
 Array = NDArray[np.float64]

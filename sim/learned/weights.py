@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from maskval import InvalidFileError, Mesh
-from maskval.input_files import read_input
-from maskval.spelling import shown
+from maskval.inputs.files import read_input
+from maskval.inputs.spelling import shown
 from sim.errors import NetworkError
 
 MANIFEST = "manifest.json"

@@ -8,7 +8,7 @@ import numpy as np
 
 from cell.layout import Belt
 from maskval import Camera, Pose
-from maskval.spelling import is_finite, shown
+from maskval.inputs.spelling import is_finite, shown
 from sim.errors import ConditionsError
 
 Clutter = Literal["none", "close", "touching", "distractors"]

@@ -14,15 +14,15 @@ from numpy.typing import NDArray
 from cell.part import Grasp, Part
 from cell.rounding import rounded
 from maskval import InvalidFileError, MaskvalError, Mesh, Pose, SymmetryAxis
-from maskval.input_files import MOST_MESH, read_input, read_input_text
-from maskval.spelling import nearest
+from maskval.inputs.files import MOST_MESH, read_input, read_input_text
+from maskval.inputs.spelling import nearest
 from sim.errors import PartFileError
-from sim.parts.mesh_files import check_mesh, convex_hull, read_mesh
+from sim.parts.mesh_files import check_face_count, check_mesh, convex_hull, read_mesh
 from sim.parts.part_checks import check_part
 from sim.parts.part_file import GraspRow, MeshRow, PartFile, read_part_file
 from sim.parts.part_shapes import Curves, bow_curves, convex_pieces, fin_curves, join
 from sim.parts.stable_poses import RestingPose, resting_poses
-from sim.parts.turns import Turn, discrete_symmetries
+from sim.parts.turns import Turn, alike
 
 _INERTIA_DIGITS = 12  # decimals of kg m²: parts have 1e-4
 _PART_FOLDER = files("sim") / "assets" / "parts"
@@ -112,13 +112,13 @@ def _build(text: str, meshes: tuple[tuple[str, bytes], ...], source: str, noise:
     symmetries = tuple(
         Turn(SymmetryAxis(np.array(row.axis), np.array(row.point_mm) / 1000.0), row.fold) for row in rows.symmetries
     )
-    discrete_symmetries(symmetries)  # refuses those that do not belong together
     model = PartModel(
         part=Part(
             name=rows.name,
             mesh=Mesh(mesh.vertices, mesh.faces),
             grasps=tuple(_grasp(row) for row in rows.grasps),
             slot_size=(float(slot_x), float(slot_y)),
+            symmetries=alike(symmetries),
         ),
         pieces=pieces,
         mass=rows.mass_kg,
@@ -168,10 +168,12 @@ def _shape(
         # Rounded: otherwise the last bit decides which triangles the hulls have, and so how likely a side is.
         curves = rounded(_curves(row.generator, row.arguments))
         mesh = join(curves)
+        check_face_count(mesh, source)
         check_mesh(mesh, source)
         return mesh, convex_pieces(curves)
     file = str(row.file)
     surface = read_mesh(file, meshes[file])
+    check_face_count(surface, source)
     check_mesh(surface, source)
     if row.pieces is None:
         return surface, (convex_hull(file, surface),)

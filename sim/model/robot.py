@@ -1,6 +1,6 @@
 """The UR10 with its gripper and wrist camera as MuJoCo bodies.
 
-Body placement follows ur_description's chain, whose forward kinematics equal the DH table of `cell.ur10` (tested).
+Body placement follows ur_description's chain, whose forward kinematics equal the DH table of `cell.arm.ur10` (tested).
 Masses are ur_description's; the shells have the arm's dimensions (`sim.model.arm_geometry`). `sim.scenery` says how it
 looks.
 """
@@ -11,8 +11,8 @@ from itertools import pairwise
 import mujoco
 import numpy as np
 
+from cell.arm.ur10 import JOINT_LIMIT, TORQUE_LIMITS
 from cell.layout import Gripper
-from cell.ur10 import JOINT_LIMIT, TORQUE_LIMITS
 from maskval import Camera, Pose
 from sim.model.arm_geometry import Shell, arm_shells
 from sim.model.renderer import pinhole

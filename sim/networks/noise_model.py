@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from maskval import InvalidFileError
-from maskval.input_files import read_input_text
-from maskval.spelling import nearest, shown
+from maskval.inputs.files import read_input_text
+from maskval.inputs.spelling import nearest, shown
 from sim.errors import NoiseFileError
 
 _NOISE_FOLDER = files("sim") / "assets" / "noise"

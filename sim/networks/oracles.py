@@ -8,7 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from maskval import Estimates, MaskVal, mdd
+from cell.part import pose_error
+from maskval import Estimates, MaskVal, Pose
 from sim.instance_ids import NO_INSTANCE
 from sim.networks.ground_truth import LatestTruth, shown_part
 
@@ -23,9 +24,11 @@ class OracleMdd:
 
     Args:
         latest_truth: Where the truth of the picture that the estimates are from is.
+        symmetries: Poses in O in which the part looks the same, see `cell.part.Part`.
     """
 
     latest_truth: LatestTruth
+    symmetries: tuple[Pose, ...] = ()
 
     def __call__(self, estimates: Estimates) -> NDArray[np.float64]:
         """A rising function of each pose's error, (N,), in [0, 1]."""
@@ -34,7 +37,7 @@ class OracleMdd:
         for i, (X_CO, mask) in enumerate(zip(estimates.poses[0], estimates.masks, strict=True)):
             part = shown_part(truth.instance_ids, mask)
             if part != NO_INSTANCE:
-                error_m = mdd(X_CO, truth.X_CO_true[part], estimates.mesh.vertices)
+                error_m = pose_error(X_CO, truth.X_CO_true[part], estimates.mesh, self.symmetries)
                 u[i] = 1.0 - ERROR_THRESHOLD_M / (ERROR_THRESHOLD_M + error_m)
         return u
 

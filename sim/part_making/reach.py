@@ -4,10 +4,10 @@ from itertools import product
 
 import numpy as np
 
+from cell.arm.ur10 import inverse_on_branch
 from cell.grasping import HALF_TURN, GraspPlan, plan_grasps, plan_places
 from cell.layout import Layout
 from cell.part import Grasp, Part
-from cell.ur10 import inverse_on_branch
 from maskval import Pose
 from sim.parts.stable_poses import RestingPose
 

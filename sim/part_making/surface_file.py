@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import trimesh
 
-from maskval.input_files import MOST_MESH, read_input
+from maskval.inputs.files import MOST_MESH, read_input
 from sim.errors import PartFileError
 from sim.part_making.solids import joined, mesh_of, simplified, solid_of
 from sim.parts.mesh_files import LARGEST_PART, check_mesh, read_mesh
@@ -98,7 +98,7 @@ def _repaired(mesh: trimesh.Trimesh) -> tuple[trimesh.Trimesh, list[str]]:
         trimesh.repair.fill_holes(mesh)  # of three or four edges
         if len(mesh.faces) > before:
             notes.append(f"closed holes of three or four edges with {len(mesh.faces) - before} triangles")
-    if not mesh.is_winding_consistent or mesh.volume < 0:
+    if not mesh.is_winding_consistent or (mesh.is_watertight and mesh.volume < 0):
         trimesh.repair.fix_normals(mesh, multibody=True)  # type: ignore[no-untyped-call]
         notes.append("turned triangles so that all of them face outwards")
     return mesh, notes

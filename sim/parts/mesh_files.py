@@ -34,7 +34,7 @@ def read_mesh(name: str, content: bytes) -> trimesh.Trimesh:
         reason = " ".join(str(error).split())[:200]
         raise _unfit(name, f"{type(error).__name__}: {reason}") from error
     if not isinstance(loaded, trimesh.Trimesh) or len(loaded.faces) == 0:
-        raise PartFileError(f"mesh file {name} has no triangles")
+        raise PartFileError(f"mesh file {name} has no triangles: is it whole, and of the kind that its name says?")
     if loaded.faces.min() < 0 or loaded.faces.max() >= len(loaded.vertices):
         raise PartFileError(f"mesh file {name}: a triangle names a corner that is not there")
     if not np.isfinite(loaded.vertices).all():
@@ -61,6 +61,19 @@ def convex_hull(name: str, mesh: trimesh.Trimesh) -> trimesh.Trimesh:
     return hull
 
 
+def check_face_count(mesh: trimesh.Trimesh, source: str) -> None:
+    """Rejects a surface of a part's file that would make every picture slow.
+
+    Raises:
+        PartFileError: it has more than `MOST_FACES` faces.
+    """
+    if len(mesh.faces) > MOST_FACES:
+        raise PartFileError(
+            f"{source}: the mesh has {len(mesh.faces)} faces, expected at most {MOST_FACES}; `graspcell part` "
+            "simplifies a mesh"
+        )
+
+
 def check_mesh(mesh: trimesh.Trimesh, source: str) -> None:
     """Rejects a surface that encloses no volume or is not in metres.
 
@@ -69,11 +82,6 @@ def check_mesh(mesh: trimesh.Trimesh, source: str) -> None:
     """
     if len(mesh.faces) == 0:
         raise PartFileError(f"{source}: the mesh has no faces")
-    if len(mesh.faces) > MOST_FACES:
-        raise PartFileError(
-            f"{source}: the mesh has {len(mesh.faces)} faces, expected at most {MOST_FACES}; `graspcell part` "
-            "simplifies a mesh"
-        )
     if not np.isfinite(mesh.vertices).all():
         raise PartFileError(f"{source}: the mesh has vertices that are not finite")
     _check_size(mesh, source)

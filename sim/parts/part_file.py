@@ -5,6 +5,7 @@ import re
 import tomllib
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import PurePath
 from typing import Any
 
 from cell.layout import Gripper
@@ -123,8 +124,8 @@ def _mesh(table: Row) -> MeshRow:
     if pieces is not None:
         if not isinstance(pieces, list) or not 1 <= len(pieces) <= MOST_PIECES:
             raise _wrong("mesh.pieces", f"1 to {MOST_PIECES} names of files", _shown(pieces))
-        pieces = tuple(_text(f"mesh.pieces[{index}]", piece) for index, piece in enumerate(pieces))
-    return MeshRow(_text("mesh.file", table["file"]), pieces, None, {})
+        pieces = tuple(_inside(f"mesh.pieces[{index}]", piece) for index, piece in enumerate(pieces))
+    return MeshRow(_inside("mesh.file", table["file"]), pieces, None, {})
 
 
 def _grasps(rows: Sequence[tuple[str, Row]]) -> tuple[GraspRow, ...]:
@@ -220,6 +221,14 @@ def _text(key: str, value: Any) -> str:
     if not isinstance(value, str) or not 1 <= len(value) <= 1000 or not value.isprintable():
         raise _wrong(key, "a printable text of 1 to 1000 characters", _shown(value))
     return value
+
+
+def _inside(key: str, value: Any) -> str:
+    """A path that stays in the folder of the part's file, which is then all that a part is made from."""
+    path = PurePath(_text(key, value))
+    if path.is_absolute() or ".." in path.parts:
+        raise _wrong(key, "a file in the folder of the part's file", _shown(value))
+    return str(value)
 
 
 def _name(key: str, value: Any) -> str:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from maskval import Mesh, Pose, SymmetryAxis
-from maskval.symmetry import right_angle_symmetries
+from maskval.symmetry import right_angle_symmetries, symmetry_poses
 
 MOST_DISCRETE = 120  # turns; a dodecahedron has 60
 _SAME = 1e-6  # of a rotation's entries
@@ -60,6 +60,11 @@ def model_symmetries(turns: Sequence[Turn], mesh: Mesh) -> tuple[tuple[Pose, ...
     if not turns:
         return right_angle_symmetries(mesh), ()
     return discrete_symmetries(turns), continuous_axes(turns)
+
+
+def alike(turns: Sequence[Turn]) -> tuple[Pose, ...]:
+    """The poses in O that a part with these turns looks the same in, the identity first; none without turns."""
+    return symmetry_poses(discrete_symmetries(turns), continuous_axes(turns)) if turns else ()
 
 
 def _same(one: NDArray[np.float64], other: NDArray[np.float64]) -> bool:

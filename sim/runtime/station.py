@@ -3,10 +3,10 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from cell.arm.trajectory import JointTrajectory
+from cell.arm.ur10 import forward
 from cell.interfaces import Contact, Frame, Image, Touch
 from cell.rounding import rounded
-from cell.trajectory import JointTrajectory
-from cell.ur10 import forward
 from sim.networks.ground_truth import FrameTruth, LatestTruth
 from sim.runtime.world import World
 from sim.runtime.wrist_camera import WristCamera

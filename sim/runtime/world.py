@@ -6,10 +6,10 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from cell.arm.ur10 import inverse_on_branch
 from cell.interfaces import Touch
 from cell.layout import Layout
 from cell.rounding import rounded
-from cell.ur10 import inverse_on_branch
 from cell.viewpoints import search_run
 from maskval import Pose
 from sim.errors import DivergenceError

@@ -3,14 +3,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
+from cell.arm.limits import PRESETS
+from cell.arm.ur10 import forward, inverse_on_branch
 from cell.attempt import CLOSING_TIME, RELEASE_TIME, Attempt, Reach
 from cell.grasping import APPROACH_LENGTH, HALF_TURN, LIFT_HEIGHT, RELEASE_GAP, RELEASE_HEIGHT, plan_grasps
 from cell.interfaces import Contact, Touch
 from cell.layout import Container, Layout
 from cell.motion import Motion, Unreachable
-from cell.motion_limits import PRESETS
 from cell.records import State
-from cell.ur10 import forward, inverse_on_branch
 from maskval import Pose
 from tests.fakes import (
     ATTEMPT,

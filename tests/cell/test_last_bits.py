@@ -6,13 +6,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from cell.arm.limits import PRESETS
+from cell.arm.ur10 import forward, inverse_on_branch
 from cell.attempt import Attempt
 from cell.grasping import plan_grasps
 from cell.layout import Belt, Layout
 from cell.motion import Motion
-from cell.motion_limits import PRESETS
 from cell.perception import Perception
-from cell.ur10 import forward, inverse_on_branch
 from cell.viewpoints import SEARCH_DISTANCE, SEARCH_STEP, search_run
 from maskval import Pose
 from tests.fakes import (

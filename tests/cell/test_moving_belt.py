@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
+from cell.arm.conveyor_tracking import RAMP_TIME
+from cell.arm.limits import PRESETS
 from cell.attempt import Attempt, Reach
-from cell.conveyor_tracking import RAMP_TIME
 from cell.grasping import APPROACH_LENGTH, LIFT_HEIGHT
 from cell.interfaces import Contact, Touch
 from cell.motion import Motion
-from cell.motion_limits import PRESETS
 from cell.records import State
 from cell.viewpoints import search_run
 from tests.fakes import FakeStation, brick, on_belt, small_layout, turned

@@ -5,6 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from cell.arm.limits import PRESETS
 from cell.grasping import (
     APPROACH_LENGTH,
     HALF_TURN,
@@ -16,7 +17,6 @@ from cell.grasping import (
 )
 from cell.layout import Layout
 from cell.motion import LONGEST_WAIT, WAIT_STEP, Motion, Unreachable
-from cell.motion_limits import PRESETS
 from cell.part import MAX_TILT
 from cell.viewpoints import REFINE_DISTANCE, SEARCH_DISTANCE, SEARCH_STEP, SecondLook
 from maskval import Pose

@@ -4,9 +4,9 @@ from itertools import product
 import numpy as np
 import pytest
 
+from cell.arm.limits import PRESETS
 from cell.layout import Belt, Layout
 from cell.motion import Motion
-from cell.motion_limits import PRESETS
 from cell.viewpoints import REFINE_DISTANCE, SearchRun, refinement_view, search_run
 from maskval import Pose
 from tests.fakes import FakeStation, brick, on_belt, small_layout, turned

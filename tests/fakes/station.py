@@ -5,11 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from cell.arm.trajectory import JointTrajectory
+from cell.arm.ur10 import forward
 from cell.interfaces import Contact, Frame, Image, Touch
 from cell.layout import Layout
 from cell.records import State
-from cell.trajectory import JointTrajectory
-from cell.ur10 import forward
 from maskval import Pose
 from tests.fakes.script import CONTACT_FORCE, HALF_WIDTH, HOME
 

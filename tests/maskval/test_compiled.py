@@ -5,7 +5,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-ROOT = Path(__file__).parents[3]
+ROOT = Path(__file__).parents[2]
 KERNELS = """
 from maskval.rendering import depth_kernels, kernels
 from maskval.compiled import jit

@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
 
+from cell.arm.limits import PRESETS
 from cell.layout import Layout
 from cell.motion import Motion, Unreachable
-from cell.motion_limits import PRESETS
 from cell.viewpoints import search_run
 from policies.views import SIDES, TILTS_DEG, views_around
 from tests.fakes import FakeStation, brick, observation, on_belt, policy_setup, turned

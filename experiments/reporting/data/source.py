@@ -8,7 +8,8 @@ from typing import Any
 from experiments.reporting.data.command_lines import object_of, replay
 from experiments.reporting.data.happened import Rows, experiment_of
 from experiments.results.provenance import config_as_json
-from experiments.units.run_folder import Asked, RunFolder
+from experiments.units.asked import Asked
+from experiments.units.run_folder import RunFolder
 from experiments.units.summary import Summary, counted_of, summary_of
 from experiments.units.unit import Unit
 from sim.errors import SimError

@@ -133,7 +133,9 @@ def _pose(attempt: Row, estimate: Row | None) -> str:
     if not is_wrong(estimate):
         return f"Its pose was right within {_mm(estimate)}{_partly(estimate)}."
     held = attempt["outcome"] == Outcome.PLACED
-    why = "; the part may look the same from there (the error does not count symmetries)" if held else ""
+    why = (
+        "; the part may look the same from there (of symmetries, those of the part's file are counted)" if held else ""
+    )
     return f"Its pose was {_mm(estimate)} off{_partly(estimate)}{why}."
 
 

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from cell.arm.ur10 import forward
 from cell.interfaces import Action, Decision, Outcome, Touch
 from cell.records import State
-from cell.ur10 import forward
 from cell.viewpoints import refinement_view
 from policies import Always
 from tests.cell.cycle.runs import CAREFUL, FAR, HERE, LAYOUT, LOOK, PART, Deciding, config, entered, views_of

@@ -26,7 +26,7 @@ def told(record: object) -> list[str]:
     numbers[10:20, 10:22] = 1
     latest_truth = LatestTruth()
     latest_truth.keep(FrameTruth(7, numbers, (AHEAD, AHEAD), CAMERA, brick().mesh))
-    return lines(record, latest_truth, brick().mesh.vertices)
+    return lines(record, latest_truth, brick())
 
 
 def seen(decision: Decision, **other: Any) -> list[str]:

@@ -113,6 +113,16 @@ def test_the_check_finds_nothing_or_each_fault_in_a_line(
         (("clip.stl", "--name", "antenna"), "expected another --name than those of the shipped parts"),
         (("clip.stl", "--name", "../x"), "expected --name of 1 to 60 letters"),
         (("clip.stl", "--density", "100"), "weighs 0.00062 kg, expected 0.001 to 8: --mass KG"),
+        ((".",), "mesh file .: expected a regular file, got a folder"),
+        (("cut.stl",), "mesh file cut.stl has no triangles: is it whole, and of the kind that its name says?"),
+        (("page.stl",), "mesh file page.stl has no triangles: is it whole"),
+        (("flat.obj",), "flat.obj: the mesh is open: 3 of 3 edges do not have two faces"),
+        (("index.obj",), "mesh file index.obj: expected one file with the whole mesh"),
+        (("part.step",), "its name ends in '.step'"),
+        (("clip.stl", "--density", "steel"), "--density: expected a number such as 0.12, got 'steel'"),
+        (("clip.stl", "--unit", "MM"), "unknown unit 'MM': expected one of mm, cm, m, inch"),
+        (("clip.stl", "--jobs", "1.5"), "--jobs: expected a whole number such as 12, got '1.5'"),
+        (("clip.stl", "--out", "/dev/null/x"), "cannot write to /dev/null/x: "),
         (("told.txt",), "expected one file with the whole mesh, .stl, .ply, .obj or .glb"),
     ],
 )
@@ -124,10 +134,42 @@ def test_what_cannot_be_done_is_said_in_one_line(
     words: str,
 ) -> None:
     monkeypatch.chdir(made)
+    Path("cut.stl").write_bytes(Path("clip.stl").read_bytes()[:-30])
+    Path("page.stl").write_text("<!DOCTYPE html>")
+    corners = "v 0 0 0\nv 100 0 0\nv 0 100 0\n"
+    Path("flat.obj").write_text(f"{corners}f 1 2 3\n")
+    Path("index.obj").write_text(f"{corners}f 1 2 9\n")
+    Path("part.step").write_text("ISO-10303-21;")
     told = command(capsys, "part", *arguments)
     assert told.code == 2
     assert told.err.count("\n") == 1
     assert words in told.err
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "words"),
+    [
+        ("clip.stl", b"solid", "expected the .toml file of a part; `graspcell part MESH` makes one from a mesh"),
+        ("a.toml", b"", "a.toml: the key 'name' is missing"),
+        ("a.toml", b"\xef\xbb\xbfname = 1", "a.toml: no TOML: "),
+        ("a.toml", 'name = "a"'.encode("utf-16"), "part file a.toml cannot be read: expected UTF-8 text"),
+        ("a.toml", None, "part file a.toml does not exist"),
+    ],
+)
+def test_the_check_of_what_is_no_part_file_says_so_in_a_line(
+    capsys: pytest.CaptureFixture[str],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    name: str,
+    content: bytes | None,
+    words: str,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    if content is not None:
+        Path(name).write_bytes(content)
+    told = command(capsys, "part", "--check", name)
+    assert (told.code, told.out.count("\n"), told.err) == (3, 1, "")
+    assert words in told.out
 
 
 @pytest.mark.study

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from cell.interfaces import Action, Contact, Decision, Detection, Frame, Observation, Outcome, Touch
+from cell.part import Part
 from cell.records import AttemptRecord, DecisionRecord, FailedFrame, State, Tally, TimeSlot, Transition
 from experiments.results.recorder import Recorder, Row, pose_row
 from experiments.results.store import SCHEMAS
@@ -44,15 +45,25 @@ def observation(networks: int = 2) -> Observation:
     )
 
 
-def recorded(*records: object) -> dict[str, list[Row]]:
+def recorded(*records: object, kind: Part | None = None) -> dict[str, list[Row]]:
     numbers = np.full((30, 40), -1, dtype=np.int8)
     numbers[10:20, 10:22] = 1
     latest_truth = LatestTruth()
     latest_truth.keep(FrameTruth(7, numbers, (Pose.identity(), AHEAD), CAMERA, brick().mesh))
-    recorder = Recorder(KEY, brick(), latest_truth)
+    recorder = Recorder(KEY, kind or brick(), latest_truth)
     for record in records:
         recorder(record)
     return recorder.tables
+
+
+def test_the_logged_errors_of_a_part_are_the_least_over_its_symmetries() -> None:
+    half = Pose.from_rotvec((0.0, 0.0, np.pi))
+    turned = replace(observation(), poses=((off_by(0.004) @ half, AHEAD), (off_by(0.006), AHEAD)))
+    for symmetries, first in (((), None), ((Pose.identity(), half), 0.004)):
+        kind = replace(brick(), symmetries=symmetries)
+        row = recorded(DecisionRecord(2, 5, turned, Decision(Action.SEARCH)), kind=kind)["estimates"][0]
+        assert row["true_mdd_2_m"] == pytest.approx(0.006)
+        assert row["true_mdd_m"] == pytest.approx(first) if first else row["true_mdd_m"] > 0.02
 
 
 def only(tables: dict[str, list[Row]], name: str) -> dict[str, Any]:

@@ -13,7 +13,7 @@ from experiments.setup.actors import Actors
 from experiments.setup.experiment import ExperimentResult
 from experiments.units.summary import counted_of, make_cells
 from experiments.units.unit import unit_of
-from maskval.cluster_intervals import clustered_rate_interval
+from maskval.statistics.cluster_intervals import clustered_rate_interval
 
 HANDLE = ("handle", "none", "always")
 PREDICTION = Path(__file__).parents[3] / "docs" / "results" / "predict.json"

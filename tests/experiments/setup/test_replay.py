@@ -1,5 +1,6 @@
 """Recorded estimates, played back."""
 
+import os
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -15,8 +16,8 @@ from cell.layout import Layout
 from cell.setup import EstimatorSetup
 from experiments.errors import UsageError
 from experiments.results.store import SCHEMAS
-from experiments.setup.replay import load_recording
-from maskval import MaskvalError, Pose, bop, mask_from_rle
+from experiments.setup.replay import LOGS, load_recording
+from maskval import Pose, bop, mask_from_rle
 from sim.model.parts import load_part
 from tests.experiments.command import Told, command, overriding
 
@@ -163,6 +164,18 @@ def test_a_file_that_is_no_log_is_refused(tmp_path: Path) -> None:
         load_recording(tmp_path, SETUP, METHOD)
 
 
+@pytest.mark.parametrize("files", [LOGS, ("masks.json", "poses.csv"), ("masks.json", "poses.csv", "poses_2.csv")])
+def test_what_is_no_regular_file_is_refused_before_it_is_read(tmp_path: Path, files: Sequence[str]) -> None:
+    for name, content in (("masks.json", "[]"), ("poses.csv", "scene_id,im_id,obj_id,score,R,t,time\n")):
+        (tmp_path / name).write_text(content)
+    if files == LOGS:
+        write_rows(tmp_path, FRAME, ESTIMATE)
+    (tmp_path / files[-1]).unlink(missing_ok=True)
+    os.mkfifo(tmp_path / files[-1])
+    with pytest.raises(UsageError, match=rf"{files[-1]}: expected a regular file, got a pipe"):
+        load_recording(tmp_path, SETUP, METHOD)
+
+
 KEY: Row = {"object": "handle", "method": "maskval", "experiment": 0, "frame": 3}
 FRAME: Row = KEY | {"X_BC": AHEAD, "detections": 1, "inference_s": 0.5}
 ESTIMATE: Row = KEY | {"mask_rle": [PIXELS], "score": 1.0, "X_CO_est": AHEAD, "X_CO_est_2": None}
@@ -256,7 +269,7 @@ def test_bop_files_need_not_name_what_shows_nothing_but_those_that_do_not_fit_to
     with pytest.raises(UsageError, match="expected the time of detector and pose networks in the files"):
         load_recording(tmp_path, SETUP, METHOD)
     (tmp_path / "poses.csv").write_text("0,0,1,much,1,2,3\n")
-    with pytest.raises(MaskvalError, match=r"poses.csv:1"):
+    with pytest.raises(UsageError, match=r"poses.csv:1"):
         load_recording(tmp_path, SETUP, METHOD)
 
 

@@ -3,7 +3,7 @@ import pytest
 from scipy.stats import chi2
 
 from experiments.statistics.pilot import Pilot, correlation_within, measure_pilot
-from maskval.cluster_intervals import ASSUMED_CORRELATION
+from maskval.statistics.cluster_intervals import ASSUMED_CORRELATION
 
 
 def test_the_variance_is_divided_into_between_worlds_and_within() -> None:

@@ -5,7 +5,7 @@ from statsmodels.stats.power import TTestPower
 
 from experiments.statistics.pilot import Pilot
 from experiments.statistics.planning import failure_free_attempts, plan_bound, plan_difference, student_power
-from maskval.cluster_intervals import clustered_rate_interval
+from maskval.statistics.cluster_intervals import clustered_rate_interval
 
 ALONE = Pilot(mean=0.4, between=2.25, within=None, worlds=20, experiments=20)
 NESTED = Pilot(mean=0.4, between=0.25, within=2.0, worlds=20, experiments=60)

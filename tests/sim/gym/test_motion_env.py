@@ -9,9 +9,9 @@ import pytest
 from gymnasium.utils.env_checker import check_env
 from numpy.typing import NDArray
 
+from cell.arm.ur10 import forward
 from cell.grasping import plan_grasps, plan_places
 from cell.layout import Layout
-from cell.ur10 import forward
 from maskval import METHODS, Pose
 from sim.gym.motion_env import GraspCellMotionEnv
 from sim.gym.velocity_controller import MAX_SPEED, MAX_TURN, STEP_TIME

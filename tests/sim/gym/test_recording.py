@@ -1,9 +1,7 @@
 """Videos of learning environments."""
 
-import sys
 from itertools import pairwise
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import gymnasium
@@ -13,26 +11,7 @@ import pytest
 from sim.errors import EnvOptionError
 from sim.gym.decision_env import GraspCellEnv
 from sim.gym.recording import RecordMotion
-
-
-class Clip:
-    """In place of moviepy's, which is an extra: keeps what it is given."""
-
-    written: tuple[list[Any], int, str] | None = None
-
-    def __init__(self, frames: list[Any], fps: int) -> None:
-        self._frames, self._fps = list(frames), fps
-
-    def write_videofile(self, path: str, logger: object) -> None:
-        Clip.written = (self._frames, self._fps, path)
-
-
-@pytest.fixture
-def moviepy(monkeypatch: pytest.MonkeyPatch) -> None:
-    names = ("moviepy", "moviepy.video", "moviepy.video.io", "moviepy.video.io.ImageSequenceClip")
-    for name in names:
-        monkeypatch.setitem(sys.modules, name, ModuleType(name))
-    vars(sys.modules[names[-1]])["ImageSequenceClip"] = Clip
+from tests.fakes import moviepy
 
 
 def placed(env: gymnasium.Env[Any, Any]) -> tuple[int, float]:
@@ -47,12 +26,14 @@ def placed(env: gymnasium.Env[Any, Any]) -> tuple[int, float]:
     return steps, info["time"]
 
 
-@pytest.mark.usefixtures("moviepy")
-def test_a_video_of_decisions_shows_the_motion_between_them_in_real_time_and_changes_nothing(tmp_path: Path) -> None:
+def test_a_video_of_decisions_shows_the_motion_between_them_in_real_time_and_changes_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    moviepy.install(monkeypatch)
     cell = GraspCellEnv("rgb_array", (30, 40), n_parts=1, estimator="oracle")
     steps, end = placed(RecordMotion(cell, str(tmp_path / "videos"), fps=2))
-    assert Clip.written is not None
-    frames, fps, path = Clip.written
+    assert moviepy.Clip.written is not None
+    frames, fps, path = moviepy.Clip.written
     assert (fps, Path(path).suffix) == (2, ".mp4")
     assert steps < 4
     assert len(frames) == pytest.approx(2 * end, abs=2)  # the episode begins with a first look of less than a second

@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from cell.arm.ur10 import JOINT_LIMIT, TORQUE_LIMITS, forward
 from cell.layout import Layout
-from cell.ur10 import JOINT_LIMIT, TORQUE_LIMITS, forward
 from sim.model.conditions import Conditions
 from sim.model.robot import FINGERS, JOINTS
 from sim.model.scene import robot_touches

@@ -85,6 +85,26 @@ def test_a_fine_mesh_is_simplified_and_its_shape_kept(tmp_path: Path) -> None:
     assert "simplified from 81920 to" in surface.notes[0]
 
 
+def test_a_mesh_too_fine_for_a_part_file_is_simplified(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("sim.parts.mesh_files.MOST_FACES", 1000)  # 200,000 take three seconds
+    surface = read_surface(saved(tmp_path, trimesh.creation.icosphere(subdivisions=3, radius=40.0)))
+    assert len(surface.mesh.faces) == 1280
+
+
+def test_more_faces_than_any_part_has_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("sim.part_making.surface_file.MOST_INPUT_FACES", 1000)
+    with pytest.raises(PartFileError, match=r"mine.stl: expected at most 1000 faces, got 1280"):
+        read_surface(saved(tmp_path, trimesh.creation.icosphere(subdivisions=3, radius=40.0)))
+
+
+@pytest.mark.study
+def test_a_mesh_of_327_000_faces_becomes_a_surface_in_seconds(tmp_path: Path) -> None:
+    ball = trimesh.creation.icosphere(subdivisions=7, radius=40.0)
+    surface = read_surface(saved(tmp_path, ball, "ply"))
+    assert len(surface.mesh.faces) <= MOST_FACES
+    assert surface.mesh.volume == pytest.approx(ball.volume * 1e-9, rel=0.005)
+
+
 def test_the_frame_of_the_mesh_is_kept_unless_another_side_is_longer_or_the_origin_outside() -> None:
     assert choose_frame(BOX.copy().apply_scale(1e-3))[2] is None
     tall = trimesh.creation.box((0.02, 0.03, 0.09)).apply_translation((0.1, 0.0, 0.0))

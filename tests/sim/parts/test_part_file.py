@@ -84,6 +84,12 @@ VALUES += [
     ('name = "brick"', f"name = {value}", "name: expected 1 to 60 letters")
     for value in ('""', "3", '["a"]', '"../../x"', '"a\\nb"', '"a\\u0000b"', '"<worldbody/>"', f'"{"a" * 10_000}"')
 ]
+for path in ("../../etc/passwd", "/etc/passwd", "../brick.stl", "sub/../../brick.stl"):
+    WORDS = f"expected a file in the folder of the part's file, got '{path}'"
+    VALUES += [
+        ('"brick.stl"', f'"{path}"', f"mesh.file: {WORDS}"),
+        ('"brick.stl"', f'"brick.stl"\npieces = ["brick.stl", "{path}"]', f"mesh.pieces[1]: {WORDS}"),
+    ]
 VALUES += [
     ('name = "brick"', 'name = "antenna"', "name: expected another one than those of the shipped parts"),
     ('noise = "handle"', "noise = 3", "noise: expected a printable text"),
@@ -118,6 +124,21 @@ VALUES += [
 def test_a_wrong_value_is_refused_in_a_line_with_its_key(tmp_path: Path, before: str, after: str, words: str) -> None:
     assert before in TEXT
     assert words in refusal(tmp_path, TEXT.replace(before, after, 1))
+
+
+@pytest.mark.parametrize("content", [b"\xff\xfe" + TEXT.encode("utf-16-le"), TEXT.encode() + b"# 50\xb0", b"\x80"])
+def test_a_text_that_is_not_utf_8_is_refused(tmp_path: Path, content: bytes) -> None:
+    path = Path(brick(tmp_path))
+    path.write_bytes(content)
+    with pytest.raises(PartFileError, match=rf"^part file {path} cannot be read: expected UTF-8 text: .*$"):
+        load_part(str(path))
+
+
+def test_a_mesh_of_327_000_faces_is_sent_to_the_command_that_simplifies_it(tmp_path: Path) -> None:
+    fine = trimesh.creation.icosphere(subdivisions=7, radius=0.04)
+    assert "has 327680 faces, expected at most 200000; `graspcell part` simplifies a mesh" in refusal(
+        tmp_path, surface=fine
+    )
 
 
 def test_there_must_be_a_grasp_and_names_differ(tmp_path: Path) -> None:
@@ -185,6 +206,15 @@ def test_stable_poses_of_the_file_replace_those_of_the_hull(tmp_path: Path) -> N
     assert one.rotation == pytest.approx(np.diag([1.0, -1.0, -1.0]))
     assert (one.height, other.height) == pytest.approx((0.01, 0.025))
     assert other.rotation @ [0, 1, 0] == pytest.approx([0, 0, 1])
+
+
+def test_the_symmetries_of_the_file_are_those_of_the_part_in_metres(tmp_path: Path) -> None:
+    rows = "[[symmetries]]\naxis = [0, 0, 1]\npoint_mm = [10, 0, 0]\nfold = 2\n"
+    part = load_part(brick(tmp_path, TEXT + rows)).part
+    same, turned = part.symmetries
+    assert same.apply(np.array([[0.01, 0.02, 0.03]]))[0] == pytest.approx((0.01, 0.02, 0.03))
+    assert turned.apply(np.array([[0.01, 0.02, 0.03]]))[0] == pytest.approx((0.01, -0.02, 0.03))
+    assert load_part("handle").part.symmetries == ()  # its file lists none
 
 
 def test_a_stable_pose_without_a_grasp_is_a_warning(tmp_path: Path) -> None:

@@ -1,11 +1,11 @@
 import numpy as np
 import pytest
 
+from cell.arm.limits import PRESETS
+from cell.arm.trajectory import hold
+from cell.arm.ur10 import forward
 from cell.interfaces import Image, Touch
 from cell.motion import EVERYTHING, HOLDING, Motion
-from cell.motion_limits import PRESETS
-from cell.trajectory import hold
-from cell.ur10 import forward
 from maskval import Pose
 from sim.model.parts import PartModel
 from sim.runtime.station import COLLISION_FORCE, PRESSING_FORCE, SimStation

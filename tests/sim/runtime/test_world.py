@@ -5,10 +5,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from cell.arm.limits import PRESETS
+from cell.arm.trajectory import joint_move, line_move
+from cell.arm.ur10 import forward
 from cell.layout import Belt, Layout
-from cell.motion_limits import PRESETS
-from cell.trajectory import joint_move, line_move
-from cell.ur10 import forward
 from maskval import Pose
 from sim.errors import DivergenceError
 from sim.model.parts import PartModel

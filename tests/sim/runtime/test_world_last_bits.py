@@ -4,8 +4,8 @@ import mujoco
 import numpy as np
 import pytest
 
-from cell.motion_limits import PRESETS
-from cell.trajectory import JointTrajectory, joint_move
+from cell.arm.limits import PRESETS
+from cell.arm.trajectory import JointTrajectory, joint_move
 from maskval import Pose
 from sim.model.parts import PartModel
 from sim.runtime.station import SimStation

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from benchmarks.instance_ids import CONDITIONS
+from cell.arm.ur10 import inverse_on_branch
 from cell.layout import Layout
-from cell.ur10 import inverse_on_branch
 from maskval import Pose, silhouette
 from sim.errors import GraphicsError
 from sim.instance_ids import NO_INSTANCE, PIXEL_CENTER

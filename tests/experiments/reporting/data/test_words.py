@@ -38,7 +38,7 @@ def test_a_placed_part_has_its_pose_and_u_told_without_blame() -> None:
     assert why_attempt(placed, RIGHT, "threshold") == (
         "Placed in its slot. Its pose was right within 2.1 mm. u = 0.31 met the threshold 0.50."
     )
-    assert "does not count symmetries" in why_attempt(placed, WRONG, "threshold")
+    assert "of symmetries, those of the part's file are counted" in why_attempt(placed, WRONG, "threshold")
 
 
 def test_a_false_detection_is_called_one() -> None:

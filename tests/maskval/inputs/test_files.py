@@ -4,7 +4,7 @@ from pathlib import Path
 import pytest
 
 from maskval import InvalidFileError
-from maskval.input_files import check_input, read_input, read_input_text
+from maskval.inputs.files import check_input, read_input, read_input_text
 
 
 def pipe(folder: Path) -> Path:
@@ -24,7 +24,7 @@ def test_a_regular_file_is_read_whole_through_a_link_too(tmp_path: Path) -> None
 def test_what_is_no_regular_file_is_refused_before_anything_is_read(tmp_path: Path, read: object) -> None:
     assert callable(read)
     for path, kind in ((Path("/dev/full"), "a device"), (pipe(tmp_path), "a pipe"), (tmp_path, "a folder")):
-        with pytest.raises(InvalidFileError, match=f"{path}: expected a regular file, got {kind}"):
+        with pytest.raises(InvalidFileError, match=f"^{path}: expected a regular file, got {kind}$"):
             read(path)
     with pytest.raises(InvalidFileError, match="none does not exist"):
         read(tmp_path / "none")
@@ -39,7 +39,7 @@ def test_a_file_beyond_the_bound_is_refused_and_one_at_it_is_not(tmp_path: Path,
     path = tmp_path / "a"
     path.write_bytes(b"12345")
     read(path, 5)
-    with pytest.raises(InvalidFileError, match="a: expected at most 4 bytes, got 5"):
+    with pytest.raises(InvalidFileError, match=f"^{path}: expected at most 4 bytes, got 5$"):
         read(path, 4)
 
 

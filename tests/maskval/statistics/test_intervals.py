@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from maskval import bootstrap_mean_interval, mean_interval, proportion_interval
-from maskval.intervals import percentile_interval
+from maskval.statistics.intervals import percentile_interval
 
 
 def test_the_interval_of_no_trials_is_none() -> None:

@@ -7,10 +7,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
+from cell.arm.limits import PRESETS, SpeedPreset
+from cell.arm.trajectory import JointTrajectory, hold, joint_move, line_move
+from cell.arm.ur10 import JOINT_LIMIT, SPEED_LIMITS, forward, forward_batch, inverse, inverse_on_branch
 from cell.errors import CellError, InvalidTrajectoryError, KinematicsInputError
-from cell.motion_limits import PRESETS, SpeedPreset
-from cell.trajectory import JointTrajectory, hold, joint_move, line_move
-from cell.ur10 import JOINT_LIMIT, SPEED_LIMITS, forward, forward_batch, inverse, inverse_on_branch
 from maskval import Pose
 
 Array = NDArray[np.float64]

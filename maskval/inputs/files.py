@@ -32,6 +32,8 @@ def check_input(path: Path, most: int | None = None) -> Path:
     """
     try:
         _check(path, os.stat(path), most)
+    except InvalidFileError:
+        raise
     except (OSError, ValueError) as error:
         raise _refused(path, error) from error
     return path
@@ -56,6 +58,8 @@ def read_input(path: Path, most: int = MOST_TEXT) -> bytes:
                 return file.read(status.st_size)  # Python makes room for all that it is asked for
         finally:
             os.close(descriptor)
+    except InvalidFileError:
+        raise
     except (OSError, ValueError) as error:
         raise _refused(path, error) from error
 

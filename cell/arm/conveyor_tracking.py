@@ -10,8 +10,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cell.trajectory import JointTrajectory
-from cell.ur10 import SPEED_LIMITS, inverse_path
+from cell.arm.trajectory import JointTrajectory
+from cell.arm.ur10 import SPEED_LIMITS, inverse_path
 from maskval import Pose
 
 Array = NDArray[np.float64]

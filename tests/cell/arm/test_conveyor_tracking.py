@@ -1,10 +1,20 @@
 import numpy as np
 import pytest
 
-from cell.conveyor_tracking import BELT_SD, POSE_SD, RAMP_TIME, BeltSpeed, at_speed, carried, joining, leaving, track
-from cell.motion_limits import PRESETS
-from cell.trajectory import line_poses
-from cell.ur10 import SPEED_LIMITS, forward, forward_batch, inverse_on_branch
+from cell.arm.conveyor_tracking import (
+    BELT_SD,
+    POSE_SD,
+    RAMP_TIME,
+    BeltSpeed,
+    at_speed,
+    carried,
+    joining,
+    leaving,
+    track,
+)
+from cell.arm.limits import PRESETS
+from cell.arm.trajectory import line_poses
+from cell.arm.ur10 import SPEED_LIMITS, forward, forward_batch, inverse_on_branch
 from maskval import Pose
 from tests.fakes import HOME
 

@@ -3,9 +3,9 @@ import math
 
 import pytest
 
+from cell.arm.limits import PRESETS
+from cell.arm.ur10 import SPEED_LIMITS
 from cell.errors import CellError, InvalidTrajectoryError
-from cell.motion_limits import PRESETS
-from cell.ur10 import SPEED_LIMITS
 
 UR_DEFAULT = PRESETS["ur-default"]
 

@@ -5,8 +5,17 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from cell.arm.ur10 import (
+    BRANCH,
+    BRANCHES,
+    JOINT_LIMIT,
+    forward,
+    forward_batch,
+    inverse,
+    inverse_on_branch,
+    inverse_path,
+)
 from cell.errors import CellError, KinematicsInputError
-from cell.ur10 import BRANCH, BRANCHES, JOINT_LIMIT, forward, forward_batch, inverse, inverse_on_branch, inverse_path
 from maskval import Pose
 
 Array = NDArray[np.float64]

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from maskval.errors import InvalidArgumentError, MaskvalError
-from maskval.spelling import shown
+from maskval.inputs.spelling import shown
 
 
 def floats(name: str, value: ArrayLike, error: type[MaskvalError] = InvalidArgumentError) -> NDArray[np.float64]:

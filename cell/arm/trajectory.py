@@ -14,9 +14,9 @@ import ruckig
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import Rotation
 
+from cell.arm.limits import SpeedPreset, check_positive
+from cell.arm.ur10 import JOINT_LIMIT, SPEED_LIMITS, checked_joints, forward, inverse_path
 from cell.errors import InvalidTrajectoryError
-from cell.motion_limits import SpeedPreset, check_positive
-from cell.ur10 import JOINT_LIMIT, SPEED_LIMITS, checked_joints, forward, inverse_path
 from maskval import Pose
 
 Array = NDArray[np.float64]

@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import stdtrit
 
-from maskval.arrays import check_number, floats
 from maskval.errors import InvalidArgumentError
-from maskval.intervals import clopper_pearson
+from maskval.inputs.arrays import check_number, floats
+from maskval.statistics.intervals import clopper_pearson
 
 FEWEST_CLUSTERS = 10  # below, the variance between them is too uncertain: with it, intervals of 5 covered 88 %
 # The correlation within a cluster where it cannot be estimated: as much as the most correlated cell of

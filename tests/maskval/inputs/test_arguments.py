@@ -56,8 +56,8 @@ from maskval import (
     uncertainty,
     vsd,
 )
-from maskval.cluster_intervals import clustered_rate_interval
 from maskval.rendering.silhouettes import silhouette_areas
+from maskval.statistics.cluster_intervals import clustered_rate_interval
 from tests.maskval import shapes
 
 CUBE = shapes.cube(0.08)

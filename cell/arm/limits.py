@@ -3,8 +3,8 @@
 import math
 from dataclasses import dataclass
 
+from cell.arm.ur10 import SPEED_LIMITS
 from cell.errors import InvalidTrajectoryError
-from cell.ur10 import SPEED_LIMITS
 
 
 def check_positive(name: str, value: float) -> None:

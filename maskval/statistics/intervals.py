@@ -5,8 +5,8 @@ import scipy
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import betaincinv
 
-from maskval.arrays import check_number, floats
 from maskval.errors import InvalidArgumentError
+from maskval.inputs.arrays import check_number, floats
 
 
 def proportion_interval(successes: int, trials: int, level: float = 0.95) -> tuple[float, float] | None:

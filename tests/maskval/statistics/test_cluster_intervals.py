@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from scipy.stats import beta, t
 
-from maskval.cluster_intervals import ASSUMED_CORRELATION, FEWEST_CLUSTERS, clustered_rate_interval
+from maskval.statistics.cluster_intervals import ASSUMED_CORRELATION, FEWEST_CLUSTERS, clustered_rate_interval
 
 
 def tails(successes: float, trials: float, interval: tuple[float, float]) -> tuple[float, float]:

@@ -7,7 +7,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from cell.ur10 import (
+from cell.arm.ur10 import (
     BRANCH,
     BRANCHES,
     JOINT_LIMIT,

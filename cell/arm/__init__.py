@@ -1,0 +1,1 @@
+"""The arm: kinematics, limits, trajectories and conveyor tracking."""

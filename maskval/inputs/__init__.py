@@ -1,0 +1,1 @@
+"""What the package is given, checked: arrays and numbers, files, names."""
