@@ -92,7 +92,7 @@ def _looks(network: Network, pictures: Sequence[TruePicture]) -> list[_Look]:
 
 def _errors_m(looks: Sequence[_Look], model: PartModel, alike: Sequence[Pose], weight: float) -> Errors:
     mesh = model.part.mesh
-    coordinates = ObjectCoordinates.of(mesh)
+    coordinates = ObjectCoordinates.of(mesh, model.part.symmetries)
     return np.array(
         [
             mssd(estimate_of(one.maps, one.view, coordinates, weight).X_CO_est, one.X_CO_true, mesh.vertices, alike)

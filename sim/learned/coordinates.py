@@ -8,7 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cell.interfaces import PoseEstimate
+from cell.rounding import rounded
 from maskval import Camera, Correspondences, Mesh, Pose
+from maskval.symmetry import right_angle_symmetries
 from sim.learned.crops import PIXEL_CENTER, CropView
 from sim.learned.pnp import DepthEstimate, solve
 
@@ -16,6 +18,7 @@ CROP_SIZE, MAP_SIZE = 64, 32  # of what the pose networks are given, and of thei
 _LEAST_SIGMA_PX = 0.25  # of the crop: no correspondence is surer
 # What a network may say of its own errors.
 _LOG_SCALES = (-5.0, 1.0)  # of coordinates, in half sizes of the part
+_PREFERENCE = np.array((1.0, 0.3, 0.1))  # for O's x, y and z axis to point to the right of the crop
 _LOG_SIGMAS = (-6.0, 1.0)  # of the logarithm of depth
 
 Array = NDArray[np.float64]
@@ -49,17 +52,25 @@ class ObjectCoordinates:
         center_O: the box's middle, (3,) m.
         half_size: half of its size, (3,) m.
         diameter: the part's, m.
+        alike: the poses X_OO in which it looks alike, the identity first.
     """
 
     center_O: Array
     half_size: Array
     diameter: float
+    alike: tuple[Pose, ...]
 
     @classmethod
-    def of(cls, mesh: Mesh) -> Self:
-        """That of a part."""
+    def of(cls, mesh: Mesh, symmetries: tuple[Pose, ...] = ()) -> Self:
+        """That of a part.
+
+        Args:
+            mesh: its surface.
+            symmetries: the poses in which it looks alike; without any, turns by right angles are looked for.
+        """
         low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
-        return cls((low + high) / 2.0, (high - low) / 2.0, mesh.diameter)
+        alike = symmetries or (Pose.identity(), *right_angle_symmetries(mesh))
+        return cls((low + high) / 2.0, (high - low) / 2.0, mesh.diameter, alike)
 
     def normalised(self, points_O: Array) -> Array:
         """Points in half sizes from the middle, (..., 3)."""
@@ -70,6 +81,15 @@ class ObjectCoordinates:
         """Points in O, (..., 3) m."""
         points: Array = self.center_O + self.half_size * normalised
         return points
+
+    def turned_alike(self, R_VO: Array) -> Pose:
+        """Which of the poses in which the part looks alike its networks all give: a rule, since pictures do not tell.
+
+        O's x axis, then its y axis, points to the right of the crop, whose u axis runs along the mask. So no small error
+        changes the choice for a long part.
+        """
+        sides = [_PREFERENCE @ (R_VO @ pose.rotation)[0] for pose in self.alike]
+        return self.alike[int(np.argmax(rounded(np.array(sides))))]
 
     def depth_unit(self, camera: Camera) -> float:
         """The depth, m, at which the part's diameter is as long as a side of the crop that a camera sees."""
@@ -93,11 +113,12 @@ def estimate_of(maps: Maps, view: CropView, coordinates: ObjectCoordinates, weig
     X_VO = solve(found, camera, depth, weight)
     if X_VO is None:
         X_VO = _pose_of_head(maps.head, log_depth, camera, coordinates)
-    X_CO = view.X_VC.inverse() @ X_VO
+    turn = coordinates.turned_alike(X_VO.rotation)
+    X_CO = view.X_VC.inverse() @ X_VO @ turn
     to_image = view.square.inverse_affine(view.size)
     pixels = found.pixels @ to_image[:, :2].T + to_image[:, 2]
     sigmas = found.sigma_px * view.square.side_px / view.size
-    return PoseEstimate(X_CO, Correspondences(found.points_O, pixels, sigmas))
+    return PoseEstimate(X_CO, Correspondences(turn.inverse().apply(found.points_O), pixels, sigmas))
 
 
 def correspondences(maps: Maps, camera: Camera, coordinates: ObjectCoordinates) -> Correspondences:

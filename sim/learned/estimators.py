@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from cell.interfaces import Detection, Frame, Image, PoseEstimate
 from cell.part import Part
-from maskval import Camera, Mesh
+from maskval import Camera
 from sim.learned.coordinates import CROP_SIZE, Maps, ObjectCoordinates, estimate_of
 from sim.learned.crops import CropView, Square, cut
 from sim.learned.grouping import Instance, instances
@@ -27,7 +27,7 @@ def learned_estimators(
     Raises:
         NetworkError: they are of another part, cannot be read, or onnxruntime is missing.
     """
-    first, second = (LearnedPoses(networks, style, part.mesh) for style in STYLES)
+    first, second = (LearnedPoses(networks, style, part) for style in STYLES)
     return LearnedMasks(networks), (first, second)
 
 
@@ -56,14 +56,14 @@ class LearnedPoses:
     Args:
         networks: of the part.
         style: which of its pose networks.
-        mesh: the part.
+        part: the part.
         inference_time: what one frame costs, s of the cell's clock; measured by default.
     """
 
-    def __init__(self, networks: TrainedNetworks, style: str, mesh: Mesh, inference_time: float | None = None) -> None:
+    def __init__(self, networks: TrainedNetworks, style: str, part: Part, inference_time: float | None = None) -> None:
         manifest = networks.manifest
-        manifest.check_mesh(mesh, networks.folder)
-        self._network, self._coordinates = networks.network(style), ObjectCoordinates.of(mesh)
+        manifest.check_mesh(part.mesh, networks.folder)
+        self._network, self._coordinates = networks.network(style), ObjectCoordinates.of(part.mesh, part.symmetries)
         self._weight = manifest.correspondence_weight[style]
         self.inference_time = manifest.pose_s if inference_time is None else inference_time
         self.images = _RGB

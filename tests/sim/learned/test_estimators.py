@@ -70,11 +70,11 @@ def test_they_read_rgb_and_take_the_time_that_was_measured(networks: TrainedNetw
     assert detector.images == poses[0].images == frozenset({Image.RGB})
     assert (detector.inference_time, poses[0].inference_time) == (0.02, 0.03)
     assert LearnedMasks(networks, inference_time=0.1).inference_time == 0.1
-    assert LearnedPoses(networks, "s2", antenna.part.mesh, inference_time=0.2).inference_time == 0.2
+    assert LearnedPoses(networks, "s2", antenna.part, inference_time=0.2).inference_time == 0.2
 
 
 def test_no_detections_need_no_network(networks: TrainedNetworks, antenna: PartModel) -> None:
-    assert LearnedPoses(networks, "s1", antenna.part.mesh).estimate(FRAME, []) == []
+    assert LearnedPoses(networks, "s1", antenna.part).estimate(FRAME, []) == []
 
 
 def test_networks_of_another_part_are_refused(networks: TrainedNetworks, handle: PartModel) -> None:
