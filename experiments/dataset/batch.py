@@ -1,6 +1,6 @@
 """A batch of test images: made, estimated and judged; what remains of an image is a few numbers."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Self
 
@@ -8,20 +8,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cell.interfaces import Detection
-from cell.layout import default_camera
 from cell.part import Part, pose_error
 from experiments.dataset.coco import Annotations, Matches
+from experiments.dataset.sources import PictureSet, SeenImage, generated, photographed, poses_alike
 from experiments.errors import UsageError
 from experiments.setup.methods import Context, make_uncertainty
 from experiments.setup.thresholds import Thresholds
 from maskval import Estimates, Pose, UncertaintyMethod, add, needs_of
-from sim.images.generated import GeneratedImage, Recipe, draw_nearest, make_image
 from sim.instance_ids import NO_INSTANCE, PIXEL_CENTER
-from sim.model.parts import load_part
+from sim.model.parts import PartModel, load_part
 from sim.networks.estimators import NETWORKS
 from sim.networks.ground_truth import FrameTruth, LatestTruth
-from sim.networks.image_estimates import ImageEstimates, estimate_image
-from sim.networks.noise_model import load_noise
 from sim.networks.random_streams import Streams
 
 METHODS = ("maskval", "ensemble-add", "oracle-mask", "oracle-mdd", "random")  # unless others are asked for
@@ -39,6 +36,7 @@ class BatchTask:
         images: their numbers.
         annotated_visibility: least visible share of a part that the detector is asked for.
         methods: names of the methods to judge by.
+        pictures: rendered pictures and trained networks; None for generated images and simulated networks.
     """
 
     object: str
@@ -46,6 +44,13 @@ class BatchTask:
     images: range
     annotated_visibility: float
     methods: tuple[str, ...] = METHODS
+    pictures: PictureSet | None = None
+
+    def images_of(self, model: PartModel) -> Iterator[SeenImage]:
+        """The images, one after another."""
+        if self.pictures is None:
+            return generated(model, self.seed, self.images)
+        return photographed(model, self.pictures, self.images)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -89,18 +94,14 @@ class Judged:
 
 def run_batch(task: BatchTask) -> tuple[Judged, Matches]:
     """What is known of the images of a task: a function of its fields, whatever is asked for beside it."""
-    model, camera = load_part(task.object), default_camera()
-    noise, mesh = load_noise(model.noise), model.part.mesh
-    latest_truth = LatestTruth()
+    model, latest_truth = load_part(task.object), LatestTruth()
+    alike = poses_alike(model, task.pictures)
     methods = make_uncertainties(task.methods, model.part, Streams(task.seed, 0, model.part.name), latest_truth)
     annotations, images = Annotations(), []
-    for number in task.images:
-        streams = Streams(task.seed, number, model.part.name)
-        image = make_image(mesh, camera, Recipe(), streams)
-        estimates = estimate_image(image.truth, noise, streams)
-        annotate(annotations, image.truth, estimates.detections, task.annotated_visibility)
+    for image in task.images_of(model):
+        annotate(annotations, image.truth, image.detections, task.annotated_visibility)
         latest_truth.keep(image.truth)
-        images.append(_judge(image, estimates, methods, model.part.symmetries))
+        images.append(_judge(image, methods, alike))
     return Judged.join(images), annotations.matches()
 
 
@@ -132,34 +133,35 @@ def make_uncertainties(
     return made
 
 
-def _judge(
-    image: GeneratedImage, found: ImageEstimates, methods: dict[str, UncertaintyMethod], symmetries: tuple[Pose, ...]
-) -> Judged:
-    truth, (first, second) = image.truth, found.poses
+def _judge(image: SeenImage, methods: dict[str, UncertaintyMethod], symmetries: tuple[Pose, ...]) -> Judged:
+    truth, (first, second) = image.truth, image.poses
     mesh, camera = truth.mesh, truth.camera
     depth = any(needs_of(method).depth for method in methods.values())
-    shown = [truth.X_CO_true[part] if part != NO_INSTANCE else None for part in found.parts]
+    parts = [truth.shown_by(detection.mask) for detection in image.detections]
+    shown = [truth.X_CO_true[part] if part != NO_INSTANCE else None for part in parts]
     errors = (
         np.inf if X_true is None else pose_error(X_est, X_true, mesh, symmetries)
         for X_est, X_true in zip(first, shown, strict=True)
     )
     masks = np.empty((len(first), camera.height, camera.width), dtype=np.bool_)
-    for mask, one in zip(masks, found.detections, strict=True):
+    for mask, one in zip(masks, image.detections, strict=True):
         mask[:] = one.mask
     masks.setflags(write=False)
     estimates = Estimates(
         camera=camera,
         mesh=mesh,
         masks=masks,
-        poses=found.poses,
-        scores=np.array([one.score for one in found.detections]),
+        poses=image.poses,
+        scores=np.array([one.score for one in image.detections]),
         pixel_center=PIXEL_CENTER,
-        depth=draw_nearest(image.bodies, camera)[1] if depth else None,
+        depth=image.depth() if depth and image.depth is not None else None,
+        correspondences=image.correspondences,
+        rgb=image.rgb,
     )
     return Judged(
         poses=np.array([len(first)]),
         parts=np.array([len(truth.visibility)]),
-        pose_part=np.array(found.parts, dtype=np.int64),
+        pose_part=np.array(parts, dtype=np.int64),
         mdd_m=np.array(list(errors)),
         disagreement_m=np.array([add(X1, X2, mesh.vertices) for X1, X2 in zip(first, second, strict=True)]),
         u={name: _asked(name, method, estimates) for name, method in methods.items()},

@@ -54,8 +54,9 @@ def dataset(config: Dataset) -> int:
 def _judged_sets(config: Dataset) -> Iterator[tuple[str, Judged, Matches]]:
     """Each part with its judged set."""
     batches = config.batches
+    pictures = {part: config.picture_set(load_part(part).part.name) for part in config.objects}
     tasks = [
-        BatchTask(part, config.seed, batch, config.annotated_visibility, config.named_methods)
+        BatchTask(part, config.seed, batch, config.annotated_visibility, config.named_methods, pictures[part])
         for part in config.objects
         for batch in batches
     ]

@@ -5,12 +5,16 @@
 import shlex
 from dataclasses import dataclass, field, fields
 from pathlib import Path
+from typing import TYPE_CHECKING, Literal
 
 import tyro
 
 from experiments.dataset.rules import ANNOTATED_VISIBILITY, Rules
 from experiments.errors import UsageError
 from experiments.setup.checks import all_at_least, worker_count, writable_folder
+
+if TYPE_CHECKING:
+    from experiments.dataset.sources import PictureSet
 
 CountingRules = tyro.conf.OmitArgPrefixes[Rules]  # --averaging, not --rules.averaging
 
@@ -32,6 +36,15 @@ class Dataset:
     methods: tuple[str, ...] = ("maskval", "ensemble-add", "oracle-mask", "oracle-mdd", "random")
     """Uncertainty methods: those of compare but for temporal, which needs several views; or your own as
     package.module:Class; or all for all of these."""
+    estimator: Literal["noisy", "networks"] = "noisy"
+    """noisy: simulated networks on generated images; networks: trained ones on the pictures of --pictures."""
+    networks: Path | None = None
+    """Folder of trained networks, as graspcell train writes it; those that come along for the part by default."""
+    pictures: Path | None = None
+    """Folder of rendered pictures, as graspcell render-dataset writes it; of several objects, one in a folder of each
+    one's name."""
+    split: str = "test"
+    """The split of these pictures."""
     images: int = 10_000
     """Test images per part."""
     seed: int = 0
@@ -69,8 +82,19 @@ class Dataset:
         """The methods, with "all" for every one that can judge a single image."""
         from experiments.setup.methods import named_methods
 
-        every = tuple(name for name in named_methods(["all"]) if name not in ("none", "temporal"))
+        networks = self.estimator == "networks"
+        without = ("none", "temporal", "depth") if networks else ("none", "temporal")
+        every = tuple(name for name in named_methods(["all"], networks=networks) if name not in without)
         return every if list(self.methods) == ["all"] else self.methods
+
+    def picture_set(self, part: str) -> "PictureSet | None":
+        """The pictures of a part, and the networks that look at them; None for generated images."""
+        from experiments.dataset.sources import PictureSet
+
+        if self.pictures is None:
+            return None
+        folder = self.pictures if len(self.objects) == 1 else self.pictures / part
+        return PictureSet(folder, self.split, self.networks)
 
     @property
     def workers(self) -> int:
@@ -114,8 +138,26 @@ class Dataset:
             raise UsageError(str(error)) from error
         if len(set(names)) < len(names):
             raise UsageError(f"expected different names for --objects, got {' '.join(self.objects)}")
+        self._check_pictures(names)
         if self.figures:
             from experiments.dataset.figures import check_matplotlib
 
             check_matplotlib()
         writable_folder(self.out)
+
+    def _check_pictures(self, parts: list[str]) -> None:
+        from experiments.setup.estimators import check_networks
+
+        if (self.estimator == "networks") != (self.pictures is not None):
+            raise UsageError("expected --estimator networks and --pictures FOLDER together, got only one of them")
+        if self.pictures is None:
+            if self.networks is not None:
+                raise UsageError(f"--networks {self.networks} is only for --estimator networks")
+            return
+        if len(parts) > 1 and self.networks is not None:
+            raise UsageError("--networks: expected one object, whose networks they are, got several")
+        for part, source in zip(parts, self.objects, strict=True):
+            check_networks(self.networks, source)
+            pictures = self.picture_set(part)
+            assert pictures is not None  # there is a folder
+            pictures.check(self.images)

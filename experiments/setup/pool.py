@@ -17,18 +17,21 @@ Task = TypeVar("Task")
 Result = TypeVar("Result")
 
 
-def run_all(job: Callable[[Task], Result], tasks: Sequence[Task], jobs: int) -> Generator[Result, None, None]:
+def run_all(
+    job: Callable[[Task], Result], tasks: Sequence[Task], jobs: int, *, apart: bool = False
+) -> Generator[Result, None, None]:
     """Yields one result per task, in order. Closing the generator early ends the workers at once.
 
     Args:
         job: a module's function, so that other processes can import it.
         tasks: what to call it with.
         jobs: worker processes; 1 runs in this process.
+        apart: whether one worker is a process of its own, too: for libraries that do not bear one another.
 
     Raises:
         BrokenProcessPool: a worker died, for example without memory.
     """
-    with workers(min(jobs, len(tasks))) as run:
+    with workers(min(jobs, len(tasks)), apart=apart) as run:
         yield from run(job, tasks)
 
 
@@ -95,9 +98,9 @@ def _alone(job: Callable[[Task], Result], task: Task) -> Result | Died:
 
 
 @contextmanager
-def workers(jobs: int) -> Iterator[Run]:
-    """Processes that stay for several rounds of tasks, with what a job keeps in memory; 1 runs in this process."""
-    if jobs <= 1:
+def workers(jobs: int, *, apart: bool = False) -> Iterator[Run]:
+    """Processes that stay for several rounds of tasks, with what a job keeps in memory; 1 runs here unless `apart`."""
+    if jobs <= 1 and not apart:
         yield map
         return
     with _pool(jobs) as pool:

@@ -43,8 +43,9 @@ def train(config: Train) -> int:
     config.check()
     for needed in _sets(config):
         _render(needed)
-    with closing(run_all(train_network, [Task(config, name) for name in NETWORKS], config.workers)) as exported:
-        list(exported)
+    # Apart: PyTorch dies in a process in which Mesa's OpenGL has drawn.
+    with closing(run_all(train_network, [Task(config, name) for name in NETWORKS], config.workers, apart=True)) as done:
+        list(done)
     model = load_part(config.object)
     pictures = list(read_pictures(config.pictures_folder / HELD_OUT, HELD_OUT))
     found = measure(config.out, pictures, model, looks_alike(model))

@@ -85,8 +85,8 @@ class ObjectCoordinates:
     def turned_alike(self, R_VO: Array) -> Pose:
         """Which of the poses in which the part looks alike its networks all give: a rule, since pictures do not tell.
 
-        O's x axis, then its y axis, points to the right of the crop, whose u axis runs along the mask. So no small error
-        changes the choice for a long part.
+        O's x axis, then its y axis, points to the right of the crop, whose u axis runs along the mask. So no small
+        error changes the choice for a long part.
         """
         sides = [_PREFERENCE @ (R_VO @ pose.rotation)[0] for pose in self.alike]
         return self.alike[int(np.argmax(rounded(np.array(sides))))]

@@ -143,6 +143,11 @@ def open_network(path: Path) -> Network:
         raise NetworkError(f"{path}: expected a network in ONNX, got {error}") from error
 
     def run(images: Array) -> tuple[Array, ...]:
-        return tuple(session.run(None, {"images": images}))
+        try:
+            return tuple(session.run(None, {"images": images}))
+        except Exception as error:
+            raise NetworkError(
+                f"{path}: expected a network that takes images as `graspcell train` writes it, got {error}"
+            ) from error
 
     return run

@@ -84,7 +84,7 @@ class PoseNetwork(nn.Module):
         """Coordinates (N, 3, h, w), logarithm of their error and logit of being visible (N, h, w), head (N, 4)."""
         features, smallest = self.pyramid(images)
         maps = self.maps(features)
-        grid = self.grid.expand(len(maps), -1, -1, -1)
+        grid = self.grid + torch.zeros_like(maps[:, :2])  # for any number of images, in ONNX too
         seen = self.head_maps(torch.cat((features, maps, grid), dim=1))
         head = self.head(torch.cat((seen.flatten(1), self.context(smallest).flatten(1)), dim=1))
         return maps[:, :3], maps[:, 3], maps[:, 4], head
