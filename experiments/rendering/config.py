@@ -12,6 +12,7 @@ from experiments.errors import UsageError
 from experiments.setup.checks import all_at_least, worker_count, writable_folder
 
 IMAGES_PER_SCENE = 1000  # as in BOP's rendered training images; one scene's annotations are held in memory at a time
+_MOST_BODIES = 30  # of a kind in a picture
 _BATCH = 10  # images that a worker makes at a time; divides IMAGES_PER_SCENE
 
 if TYPE_CHECKING:
@@ -41,6 +42,13 @@ class RenderDataset:
     """Samples per pixel and side: 3 renders smooth borders, 1 is fast."""
     views_per_heap: int = 1
     """Pictures of each heap of s1, all in one scene; they are not independent, but the heap's fall costs the most."""
+    parts: tuple[int, int] | None = None
+    """Least and greatest number of parts; 2 7 for s1 and 2 6 for s2 if not set."""
+    clutter: tuple[int, int] | None = None
+    """Least and greatest number of other bodies; 4 12 for s1 and 0 4 for s2 if not set."""
+    spread_m: tuple[float, float] = (0.05, 0.30)
+    """Least and greatest radius of the circle that the bodies of a heap of s1 fall into: in wide ones more parts lie on
+    the floor itself."""
     distance_m: tuple[float, float] = (0.4, 1.2)
     """Least and greatest distance of a part's middle from the camera, along its axis."""
     elevation_deg: tuple[float, float] | None = None
@@ -65,7 +73,15 @@ class RenderDataset:
         """How the pictures are taken."""
         from sim.images.pictures import Shot
 
-        return Shot(self.textured, self.views_per_heap, self.distance_m, self.elevation_deg)
+        return Shot(
+            textured=self.textured,
+            views_per_heap=self.views_per_heap,
+            distance=self.distance_m,
+            elevation_deg=self.elevation_deg,
+            parts=self.parts,
+            clutter=self.clutter,
+            spread=self.spread_m,
+        )
 
     @property
     def batches(self) -> list[range]:
@@ -89,6 +105,10 @@ class RenderDataset:
             raise UsageError(f"expected --views-per-heap that divides {IMAGES_PER_SCENE}, got {self.views_per_heap}")
         if not 0 <= self.textured <= 1:
             raise UsageError(f"expected --textured in 0..1, got {self.textured:g}")
+        _check_span("--spread-m", self.spread_m, (0.01, 1.0))
+        for option, span, least in (("--parts", self.parts, 1), ("--clutter", self.clutter, 0)):
+            if span is not None:
+                _check_span(option, span, (least, _MOST_BODIES))
         _check_span("--distance-m", self.distance_m, (0.25, 3.0))
         if self.elevation_deg is not None:
             _check_span("--elevation-deg", self.elevation_deg, (10.0, 90.0))

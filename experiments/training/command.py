@@ -3,13 +3,13 @@
 from contextlib import closing
 from dataclasses import dataclass
 from hashlib import sha256
-from typing import Any, get_args
+from typing import Any
 
 import numpy as np
 
 from experiments.errors import UsageError
 from experiments.rendering.command import render_dataset
-from experiments.rendering.config import RenderDataset, Style
+from experiments.rendering.config import RenderDataset
 from experiments.results.provenance import write_json
 from experiments.setup.pool import run_all
 from experiments.training.config import Train
@@ -20,10 +20,9 @@ from sim.model.parts import load_part
 
 NETWORKS = (*STYLES, DETECTOR)  # in the order in which they are begun: the longest first
 HELD_OUT = "held-out"
-_VIEWS = {
-    "distance_m": (0.35, 0.80),
-    "elevation_deg": (50.0, 90.0),
-}  # those of the cell, and more
+# The cell's wrist camera looks from above, from 0.40 to 0.65 m. Wide heaps: most parts lie as on a belt, some lean.
+_VIEWS: dict[str, Any] = {"distance_m": (0.35, 0.80), "elevation_deg": (50.0, 90.0)}
+_HEAPS: dict[str, Any] = {"parts": (2, 5), "clutter": (0, 5), "spread_m": (0.15, 0.45), "textured": 0.25}
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,12 +68,13 @@ def _sets(config: Train) -> list[RenderDataset]:
     """The sets of pictures that the networks are trained and measured on."""
     common: dict[str, Any] = {"object": config.object, "samples": 1, "rgb": "jpg", "jobs": config.jobs, **_VIEWS}
     common["seed"] = config.seed
+    train: dict[str, Any] = {"split": "train", "images": config.images, "views_per_heap": 5, **common}
     folder = config.pictures_folder
-    trained = [
-        RenderDataset(style=style, split="train", images=config.images, views_per_heap=5, out=folder / style, **common)
-        for style in get_args(Style)
+    return [
+        RenderDataset(style="s1", out=folder / "s1", **train, **_HEAPS),
+        RenderDataset(style="s2", out=folder / "s2", **train),
+        RenderDataset(style="s1", split=HELD_OUT, images=config.held_out, out=folder / HELD_OUT, **common, **_HEAPS),
     ]
-    return [*trained, RenderDataset(split=HELD_OUT, images=config.held_out, out=folder / HELD_OUT, **common)]
 
 
 def _render(pictures: RenderDataset) -> None:

@@ -39,12 +39,18 @@ class Shot:
         distance: least and greatest z of a part's middle, m.
         elevation_deg: least and greatest angle between the camera's axis and the floor; None for S1's 25° to 90°.
             S2 has no floor: its parts have the rotations that they would have on one, and any rotation with None.
+        parts: least and greatest number of parts; None for the style's own.
+        clutter: of other bodies, likewise.
+        spread: least and greatest radius of the circle that the bodies of a heap fall into (S1), m.
     """
 
     textured: float = 0.5
     views_per_heap: int = 1
     distance: tuple[float, float] = HEAP.distance
     elevation_deg: tuple[float, float] | None = None
+    parts: tuple[int, int] | None = None
+    clutter: tuple[int, int] | None = None
+    spread: tuple[float, float] = _HEAP_RADIUS
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -78,7 +84,7 @@ def heap_picture(model: PartModel, renderer: PhotoRenderer, streams: Streams, sh
         GraphicsError: there is no off-screen OpenGL.
     """
     rng, camera = streams.generator(0, "heap picture"), renderer.camera
-    heap = _heap(model, Streams(streams.seed, streams.experiment // shot.views_per_heap, streams.part_name))
+    heap = _heap(model, Streams(streams.seed, streams.experiment // shot.views_per_heap, streams.part_name), shot)
     half_size = rng.uniform(*ROOM_HALF_SIZE, size=2)
     X_CW = _viewpoint(heap, model.part.mesh.center, camera, half_size, shot=shot, rng=rng)
     bodies = (
@@ -92,11 +98,12 @@ def heap_picture(model: PartModel, renderer: PhotoRenderer, streams: Streams, sh
 
 
 @lru_cache(maxsize=1)
-def _heap(model: PartModel, streams: Streams) -> Heap:
+def _heap(model: PartModel, streams: Streams, shot: Shot) -> Heap:
     """The heap of these streams; the last one is kept."""
     rng = streams.generator(0, "heap")
-    parts, clutter = (int(rng.integers(*span, endpoint=True)) for span in (HEAP.parts, HEAP.clutter))
-    return drop(model, parts, clutter, rng.uniform(*_HEAP_RADIUS), rng)
+    spans = shot.parts or HEAP.parts, shot.clutter or HEAP.clutter
+    parts, clutter = (int(rng.integers(*span, endpoint=True)) for span in spans)
+    return drop(model, parts, clutter, rng.uniform(*shot.spread), rng)
 
 
 def pasted_picture(model: PartModel, renderer: PhotoRenderer, streams: Streams, shot: Shot) -> LabelledPicture:
@@ -112,7 +119,8 @@ def pasted_picture(model: PartModel, renderer: PhotoRenderer, streams: Streams, 
         GraphicsError: there is no off-screen OpenGL.
     """
     rng, camera = streams.generator(0, "pasted picture"), renderer.camera
-    recipe = Recipe(distance=shot.distance)
+    usual = Recipe()
+    recipe = Recipe(shot.parts or usual.parts, shot.clutter or usual.clutter, shot.distance)
     if shot.elevation_deg is not None:
         recipe = replace(recipe, resting=model.resting_poses, elevation_deg=shot.elevation_deg)
     bodies = scatter(model.part.mesh, camera, recipe, streams)

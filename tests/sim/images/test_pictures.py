@@ -202,3 +202,10 @@ def test_noise_is_normal_and_of_its_deviation() -> None:
         assert beyond == pytest.approx(norm.sf(deviations), abs=1 / 256)  # in 256 steps
     neighbours = np.corrcoef(drawn[:, :-1].ravel(), drawn[:, 1:].ravel())[0, 1]
     assert abs(neighbours) < 0.01
+
+
+def test_a_picture_has_as_many_parts_and_other_bodies_as_are_asked_for(antenna: PartModel) -> None:
+    shot = Shot(parts=(3, 3), clutter=(1, 1), spread=(0.4, 0.4))
+    heap = pictures._heap(antenna, Streams(5, 1, "antenna"), shot)
+    assert (len(heap.X_WO), len(heap.clutter)) == (3, 1)
+    assert any(np.linalg.norm(X.translation[:2]) > 0.2 for X in heap.X_WO)
