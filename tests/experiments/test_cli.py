@@ -39,7 +39,7 @@ WRONG = [  # arguments, words that the one line of error must hold
     (["compare", "--seed", "99999999999999999999"], ["--seed", "at most 2147483647", "got 99999999999999999999"]),
     (
         ["compare", "--estimator", "perfect"],
-        ["unknown estimator 'perfect'", "noisy, oracle, replay", "package.module:Cla"],
+        ["unknown estimator 'perfect'", "noisy, oracle, networks, replay", "package.module:Cla"],
     ),
     (["compare", "--estimator", "no_such_module:Net"], ["no_such_module:Net", "no module no_such_module"]),
     (["compare", "--estimator", "replay"], ["--estimator replay", "expected --recorded FOLDER"]),

@@ -82,7 +82,7 @@ function openItem(experiment, item) {
     item.mask !== undefined && !item.truth ? make("p", { class: "small" }, `No pictures of this one: ${runOf(experiment).pictured} report --pictures N makes more.`) : null,
     make("div", { class: "columns" }, make("div", {}, make("h3", {}, "Facts"), facts(experiment, item)),
       make("div", {}, make("h3", {}, "The same part under every method"), hasPart ? everyMethod(experiment, item.part) : make("p", {}, "No part is shown by the detection."))),
-    make("h3", {}, "The experiment"), timeline(experiment, item), make("h3", {}, "Show it again as a video"), command(replay));
+    make("h3", {}, "The experiment"), timeline(experiment, item), make("h3", {}, "Show it again: a video, or the experiment as a page in 3D"), command(replay), command(`${experiment.cmd} --out cell.html`));
 }
 
 function openPart(experiment, part) {

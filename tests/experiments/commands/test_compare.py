@@ -11,7 +11,7 @@ from cell.layout import Layout
 from experiments.cli import main
 from experiments.results.store import SCHEMAS
 from experiments.setup.experiment import ExperimentSpec, kept_cell, make_cycle, run_experiment
-from experiments.setup.methods import METHODS
+from experiments.setup.methods import named_methods
 from experiments.setup.thresholds import load_thresholds
 from maskval import Pose, mask_from_rle
 from sim.networks.ground_truth import LatestTruth
@@ -82,9 +82,9 @@ def test_every_method_appears_in_one_comparison_and_what_is_not_derived_is_said(
     arguments = ("--objects", "handle", "--methods", "all", "--experiments", 1, "--speed", "fast")
     told = compared(capsys, tmp_path, *arguments, "--u-grasp", "score=0.25")
     assert told.code == 0
-    assert [cell["method"] for cell in table_of(tmp_path)] == list(METHODS)
+    assert [cell["method"] for cell in table_of(tmp_path)] == list(named_methods(["all"]))
     used = json.loads((tmp_path / "manifest.json").read_text(encoding="utf-8"))["u_grasp"]["handle"]
-    assert list(used) == [name for name in METHODS if name != "none"]
+    assert list(used) == [name for name in named_methods(["all"]) if name != "none"]
     derived = load_thresholds("derived")
     assert (used["maskval"], used["score"]) == (derived.of("handle", "maskval"), 0.25)
     assert "handle × temporal: u_t,g = 0.300: the thresholds derived have none; it is the method's own" in told.out

@@ -12,7 +12,7 @@ from experiments.dataset import config as dataset_config
 from experiments.dataset.batch import BatchTask, Judged, run_batch
 from experiments.dataset.coco import Matches
 from experiments.dataset.metrics import ERRORS_M
-from experiments.setup.methods import METHODS, known_method
+from experiments.setup.methods import known_method, named_methods
 from experiments.setup.thresholds import load_thresholds
 from maskval import Ensemble
 from sim.model.parts import load_part
@@ -130,7 +130,7 @@ def test_compare_takes_the_derived_thresholds_of_every_method(
     source = tmp_path / "thresholds.toml"
     assert "graspcell dataset --methods all --images 20\n" in source.read_text()
     thresholds = load_thresholds(str(source))
-    every = [name for name in METHODS if name not in ("none", "temporal")]
+    every = [name for name in named_methods(["all"]) if name not in ("none", "temporal")]
     fallen_back = 0
     for row in json.loads((tmp_path / "dataset.json").read_text())["objects"]:
         assert list(row["methods"]) == every

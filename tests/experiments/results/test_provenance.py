@@ -29,7 +29,7 @@ def test_a_manifest_is_json_and_holds_the_whole_configuration(tmp_path: Path) ->
         "experiments": 5,
         "parts": 8,
         "seed": 11,
-        "actors": {"estimator": "noisy", "recorded": None, "gap": "none", "time_limit": 300.0},
+        "actors": {"estimator": "noisy", "recorded": None, "networks": None, "gap": "none", "time_limit": 300.0},
         "thresholds": "derived",
         "u_grasp": [],
         "speed": "ur-default",
