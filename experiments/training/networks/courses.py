@@ -16,7 +16,7 @@ from sim.learned.weights import DETECTOR
 from sim.model.parts import load_part
 
 POSE_BATCH, DETECTOR_BATCH = 32, 8
-_POSE_RATE, _DETECTOR_RATE = 1.5e-3, 2e-3
+_POSE_RATE, _DETECTOR_RATE = 8e-4, 1e-3
 
 
 def course(network: str, config: Train, pictures: Path) -> Course[Any]:

@@ -33,7 +33,7 @@ class Pyramid(nn.Module):
         self.stem = Block(3, widths[0], 2, 5)
         pairs = list(itertools.pairwise(widths))
         self.down = nn.ModuleList(nn.Sequential(Block(a, b, 2), Block(b, b)) for a, b in pairs)
-        self.lateral = nn.ModuleList(nn.Conv2d(b, a, 1) for a, b in pairs)
+        self.lateral = nn.ModuleList(Block(b, a, kernel=1) for a, b in pairs)
         self.merge = nn.ModuleList(Block(a, a) for a, _ in pairs)
 
     def forward(self, images: Tensor) -> tuple[Tensor, Tensor]:

@@ -19,7 +19,7 @@ from experiments.progress import bar
 WARM_UP = 200  # steps
 FALLING_SHARE = 0.25  # of the steps
 _WEIGHT_DECAY = 0.01
-_LONGEST_GRADIENT = 1.0
+_LONGEST_GRADIENT = 20.0
 _KEEP_EVERY = 250  # steps
 _MEMORY = 0.995  # of the averaged weights, per step
 Batch = TypeVar("Batch")
