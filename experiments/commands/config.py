@@ -52,13 +52,13 @@ class CellOptions:
         """Raises UsageError unless each object can be run with each method and policy."""
         from experiments.setup.policies import check_policy
 
+        for method in methods:
+            self.actors.check_method(method)
         names = {check_part_and_method(part, method, thresholds) for method in methods for part in objects}
         if len(names) < len(objects):
             raise UsageError(f"expected parts of different names for --objects, got {' '.join(objects)}")
         for part in objects:
             self.actors.check(part)
-        for method in methods:
-            self.actors.check_method(method)
         for part, method, policy in product(objects, methods, policies):
             check_policy(policy, part, method, thresholds)
 
@@ -137,7 +137,9 @@ class Compare(CellOptions):
         all_at_least(self, experiments=1, jobs=0)
         methods = named_methods(self.methods, networks=self.actors.are_networks)
         policies = self.policy or (None,)
-        thresholds = load_thresholds(self.thresholds).with_told(self.u_grasp, methods)
+        thresholds = load_thresholds(self.thresholds, networks=self.actors.are_networks).with_told(
+            self.u_grasp, methods
+        )
         self._check(self.objects, methods, policies, thresholds)
         check_not_recorded(self.out, self.actors.recorded)
         return [
@@ -221,7 +223,7 @@ class Run(CellOptions):
         check_cell(self.parts, self.seed, self.speed)
         all_at_least(self, experiment=0)
         told = () if self.u_grasp is None else (f"{self.method}={self.u_grasp}",)
-        thresholds = load_thresholds(self.thresholds).with_told(told, (self.method,))
+        thresholds = load_thresholds(self.thresholds, networks=self.actors.are_networks).with_told(told, (self.method,))
         self._check((self.object,), (self.method,), (self.policy,), thresholds)
         if self.out is not None:
             check_not_recorded(self.out, self.actors.recorded)

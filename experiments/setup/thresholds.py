@@ -19,6 +19,8 @@ _FORM = (
     "and optionally [least_error.OBJECT] with METHOD = u"
 )
 
+_OF_SIMULATED = "it is that of the simulated networks; graspcell dataset --estimator networks derives your own"
+
 
 @dataclass(frozen=True, slots=True)
 class Thresholds:
@@ -31,6 +33,7 @@ class Thresholds:
         ensemble_add_minimum: m by object, where Ensemble-ADD's scale begins.
         least_error: u_t,g by object and method where none reaches the demanded AP: the u of the fewest errors.
         told: u_t,g by method, for all objects; takes precedence.
+        caution: what to know about all that were not told.
     """
 
     source: str
@@ -39,6 +42,7 @@ class Thresholds:
     ensemble_add_minimum: dict[str, float]
     least_error: dict[str, dict[str, float]] = field(default_factory=dict)
     told: dict[str, float] = field(default_factory=dict)
+    caution: str | None = None
 
     def of(self, part: str, method: str, own: float | None = None, *, source: str | None = None) -> float:
         """u_t,g of one object and method.
@@ -69,7 +73,11 @@ class Thresholds:
 
     def caveat(self, part: str, method: str) -> str | None:
         """A caveat about an object's and method's u_t,g; None if it was given, or reaches the demanded AP."""
-        if method in self.told or method in self.grasp.get(part, {}):
+        if method in self.told:
+            return None
+        if self.caution is not None:
+            return self.caution
+        if method in self.grasp.get(part, {}):
             return None
         if method in self.least_error.get(part, {}):
             return "no u reaches the AP on the test images; it is the u of least error"
@@ -95,8 +103,12 @@ class Thresholds:
         return replace(self, told=told)
 
 
-def load_thresholds(name_or_file: str) -> Thresholds:
+def load_thresholds(name_or_file: str, *, networks: bool = False) -> Thresholds:
     """The preset of this name, or the TOML file.
+
+    Args:
+        name_or_file: which.
+        networks: whether they are for trained networks; the presets are those of the simulated ones, which is said.
 
     Raises:
         UsageError: there is no such preset or file, or it is malformed.
@@ -114,6 +126,7 @@ def load_thresholds(name_or_file: str) -> Thresholds:
                 f"{nearest(name_or_file, known)}"
             )
         text = (_PRESETS / f"{name_or_file}.toml").read_text()
+    preset = not name_or_file.endswith(".toml")
     try:
         table = tomllib.loads(text)
         return Thresholds(
@@ -125,6 +138,7 @@ def load_thresholds(name_or_file: str) -> Thresholds:
                 for part, value in table["ensemble_add_minimum_m"].items()
             },
             least_error=_by_object("least_error", table.get("least_error", {})),
+            caution=_OF_SIMULATED if networks and preset else None,
         )
     except KeyError as missing:
         raise UsageError(f"thresholds {name_or_file}: the key {missing} is missing; {_FORM}") from missing

@@ -96,7 +96,9 @@ class Video(CellOptions):
         part = self.object or "antenna"
         if len(methods) > MOST or len(set(methods)) < len(methods):
             raise UsageError(f"expected 1 to {MOST} different names for --methods, got {' '.join(methods)}")
-        thresholds = load_thresholds(self.thresholds).with_told(self.u_grasp, methods)
+        thresholds = load_thresholds(self.thresholds, networks=self.actors.are_networks).with_told(
+            self.u_grasp, methods
+        )
         self._check((part,), methods, (self.policy,), thresholds)
         return [self._spec(part, method, self.policy, thresholds, self.experiment) for method in methods]
 

@@ -38,6 +38,18 @@ WRONG = [  # arguments, words that the one line of error must hold
     (["compare", "--seed", "-1"], ["--seed of at least 0", "got -1"]),
     (["compare", "--seed", "99999999999999999999"], ["--seed", "at most 2147483647", "got 99999999999999999999"]),
     (
+        ["compare", "--methods", "inliers"],
+        ["--estimator networks with inliers", "judges correspondences", "got noisy"],
+    ),
+    (
+        ["compare", "--networks", "weights"],
+        ["--networks weights is only for --estimator networks", "got --estimator noisy"],
+    ),
+    (
+        ["run", "--estimator", "networks", "--networks", "nowhere"],
+        ["--estimator networks: expected trained networks in nowhere", "`graspcell train`"],
+    ),
+    (
         ["compare", "--estimator", "perfect"],
         ["unknown estimator 'perfect'", "noisy, oracle, networks, replay", "package.module:Cla"],
     ),

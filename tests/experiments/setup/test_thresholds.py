@@ -144,3 +144,13 @@ def test_what_is_told_goes_before_what_is_derived_and_that_before_the_least_erro
 def test_a_threshold_of_ones_own_that_is_none_is_refused(option: str, words: str) -> None:
     with pytest.raises(UsageError, match=words):
         load_thresholds("paper").with_told([option], ["maskval", "score"])
+
+
+def test_presets_with_trained_networks_are_said_to_be_those_of_the_simulated_ones(tmp_path: Path) -> None:
+    preset = load_thresholds("derived", networks=True).with_told(["score=0.3"], ["score", "maskval"])
+    assert preset.of("handle", "maskval") == load_thresholds("derived").of("handle", "maskval")
+    assert "graspcell dataset --estimator networks" in str(preset.caveat("handle", "maskval"))
+    assert preset.caveat("handle", "score") is None
+    own = tmp_path / "own.toml"
+    own.write_text("refine = 0.6\n[grasp.handle]\nmaskval = 0.4\n[ensemble_add_minimum_m]\n")
+    assert load_thresholds(str(own), networks=True).caveat("handle", "maskval") is None
