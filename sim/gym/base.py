@@ -1,6 +1,7 @@
 """What the learning environments have in common: a world of their own, seeds, pictures and the truth for `info`."""
 
 from dataclasses import fields, replace
+from pathlib import Path
 from typing import Any, Generic, SupportsFloat, TypeVar
 
 import gymnasium
@@ -12,16 +13,19 @@ from cell.layout import Layout
 from cell.part import pose_error
 from maskval import UncertaintyMethod
 from maskval.inputs.spelling import shown
-from sim.errors import EnvOptionError
+from sim.errors import EnvOptionError, NetworkError
 from sim.gym.checks import check_keys, check_kind, check_name, check_whole
 from sim.gym.observation import AllMethods, DetectionEncoder, Encoded
-from sim.gym.options import EnvOptions
+from sim.gym.options import LEARNED, EnvOptions
 from sim.gym.recording import Notes
+from sim.learned.estimators import learned_estimators
+from sim.learned.weights import networks_of
 from sim.model.parts import load_part
+from sim.networks.estimators import Kind
 from sim.networks.ground_truth import LatestTruth
 from sim.networks.noise_model import PartNoise, load_noise
 from sim.networks.random_streams import Streams
-from sim.runtime.episode import Episode, SimCell, begin_episode, build_cell
+from sim.runtime.episode import Episode, Estimators, SimCell, begin_episode, build_cell
 from sim.runtime.pictures import Pictures
 from sim.runtime.viewer import Window, has_display
 
@@ -59,6 +63,7 @@ class CellEnv(gymnasium.Env[Encoded, Action], Generic[Action]):
         if not has_display():  # what can be chosen here
             self.metadata = {**self.metadata, "render_modes": ["rgb_array"]}
         load_part(self.options.part)  # an unknown one is an error here, not at the first reset
+        self._estimators()
         self._encoder = DetectionEncoder(self.options, Layout().camera)
         self._seed: int | None = None
         self._experiment = 0
@@ -77,11 +82,27 @@ class CellEnv(gymnasium.Env[Encoded, Action], Generic[Action]):
         streams = Streams(self._seed or 0, self._experiment, cell.world.part_model.part.name)
         self._methods = methods = chosen.make_methods()
         method = AllMethods(methods) if len(methods) > 1 else next(iter(methods.values()))
-        episode = begin_episode(cell, streams, self._latest_truth, chosen.estimator, method, noise=noise)
+        episode = begin_episode(cell, streams, self._latest_truth, self._estimators(), method, noise=noise)
         detector = episode.perception.detector
         if chosen.camera_images:
             detector = WithImages(detector, chosen.camera_images)
         return replace(episode, perception=replace(episode.perception, detector=detector, time_limit=TIME_LIMIT))
+
+    def _estimators(self) -> Kind | Estimators:
+        """What the episodes see with.
+
+        Raises:
+            EnvOptionError: trained networks were asked for, and there are none for the part.
+        """
+        chosen = self.options
+        if chosen.estimator == LEARNED:
+            part = load_part(chosen.part).part
+            folder = None if chosen.networks is None else Path(chosen.networks)
+            try:
+                return learned_estimators(networks_of(part.name, folder), part)
+            except NetworkError as error:
+                raise EnvOptionError(str(error)) from error
+        return "oracle" if chosen.estimator == "oracle" else "noisy"
 
     def _choose_experiment(self, seed: int | None, options: dict[str, Any]) -> PartNoise:
         """Chooses it; returns the episode's error model."""

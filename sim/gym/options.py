@@ -6,13 +6,15 @@ from typing import get_args
 
 from cell.arm.limits import PRESETS
 from cell.interfaces import Image, Outcome
-from maskval import METHODS, UncertaintyMethod, needs_of
+from maskval import METHODS, NETWORK_METHODS, UncertaintyMethod, needs_of
 from maskval.inputs.spelling import is_finite, shown
 from sim.errors import EnvOptionError
 from sim.gym.checks import check_kind, check_name, check_names, check_number, check_whole
 from sim.model.conditions import Conditions
 from sim.networks.estimators import Kind
 
+LEARNED = "networks"
+ESTIMATORS = (*get_args(Kind), LEARNED)
 IMAGES = ("rgb", "depth", "masks")
 MOST_TIME = 3600.0  # s of a slot: a part takes 20
 MOST_DETECTIONS = 100  # eight parts lie on the belt
@@ -58,8 +60,10 @@ class EnvOptions:
         part: name or TOML file of the part.
         n_parts: how many lie on the belt, 1 to 8; each has one time slot.
         slot_time: s per part.
-        methods: names in `maskval.METHODS`, or uncertainty methods by names of the user's own.
-        estimator: "noisy" or "oracle".
+        methods: names in `maskval.METHODS`, with networks also in `maskval.NETWORK_METHODS`, or uncertainty methods by
+            names of the user's own.
+        estimator: "noisy", "oracle", or "networks" for trained ones.
+        networks: folder of trained networks; those that come along for the part by default.
         speed: name of the speed preset.
         conditions: what disturbs the cell.
         rewards: the weights of the reward.
@@ -72,7 +76,8 @@ class EnvOptions:
     n_parts: int = 8
     slot_time: float = 20.0
     methods: tuple[str, ...] | Mapping[str, UncertaintyMethod] = ("maskval",)
-    estimator: Kind = "noisy"
+    estimator: str = "noisy"
+    networks: str | None = None
     speed: str = "ur-default"
     conditions: Conditions = field(default_factory=Conditions)
     rewards: Rewards = field(default_factory=Rewards)
@@ -85,7 +90,11 @@ class EnvOptions:
         check_whole("n_parts", self.n_parts, 1, 8)
         check_number("slot_time", self.slot_time, 0.0, MOST_TIME)
         self._check_methods()
-        check_name("estimator", self.estimator, get_args(Kind))
+        check_name("estimator", self.estimator, ESTIMATORS)
+        if self.networks is not None:
+            check_kind("networks", self.networks, str)
+            if self.estimator != LEARNED:
+                raise EnvOptionError(f"expected no networks with the estimator {self.estimator}, got {self.networks!r}")
         check_name("speed", self.speed, PRESETS)
         check_kind("conditions", self.conditions, Conditions)
         check_kind("rewards", self.rewards, Rewards)
@@ -97,7 +106,7 @@ class EnvOptions:
         if isinstance(self.methods, str) or not isinstance(self.methods, tuple | list | Mapping) or not self.methods:
             raise EnvOptionError(f"expected methods to be a tuple of names or a mapping, got {shown(self.methods)}")
         if not isinstance(self.methods, Mapping):
-            check_names("methods", self.methods, METHODS)
+            check_names("methods", self.methods, {**METHODS, **(NETWORK_METHODS if self.estimator == LEARNED else {})})
             return
         for name, method in self.methods.items():
             if not isinstance(name, str) or not callable(method):
@@ -111,7 +120,7 @@ class EnvOptions:
         """The methods by name, new ones for those of the library; the controller logs the first one's u."""
         if isinstance(self.methods, Mapping):
             return dict(self.methods)
-        return {name: METHODS[name]() for name in self.methods}
+        return {name: (METHODS | NETWORK_METHODS)[name]() for name in self.methods}
 
     @property
     def camera_images(self) -> frozenset[Image]:

@@ -19,13 +19,14 @@ from sim.model.conditions import Conditions
 from tests.sim.gym.decisions import made, same
 
 ODD: tuple[Any, ...] = (None, -1, 1e9, float("nan"), "x", b"x", [[1]], {}, (1,), object(), 10**400, {"x": 3})
-FITS = {"render_mode": (None,)}  # of the odd ones
+FITS = {"render_mode": (None,), "networks": (None,)}  # of the odd ones
 NAMES = (
     "part",
     "n_parts",
     "slot_time",
     "methods",
     "estimator",
+    "networks",
     "speed",
     "conditions",
     "rewards",
@@ -84,7 +85,10 @@ def test_an_odd_disturbance_or_reward_is_refused(name: str, value: Any) -> None:
         ({"methods": ()}, "expected methods to be a tuple of names or a mapping"),
         ({"methods": ("magic",)}, "unknown methods 'magic': expected none, maskval, .*, temporal"),
         ({"images": ("thermal",)}, "unknown images 'thermal': expected rgb, depth, masks"),
-        ({"estimator": "perfect"}, "unknown estimator 'perfect': expected oracle, noisy"),
+        ({"estimator": "perfect"}, "unknown estimator 'perfect': expected oracle, noisy, networks"),
+        ({"estimator": "networks", "networks": "nowhere"}, "expected trained networks in nowhere"),
+        ({"networks": "weights"}, "expected no networks with the estimator noisy, got 'weights'"),
+        ({"methods": ("inliers",)}, "unknown methods 'inliers'"),
         ({"speed": "warp"}, "unknown speed 'warp': expected ur-default"),
         ({"part": "spoon"}, "spoon"),
         ({"render_mode": "ascii"}, "unknown render_mode 'ascii'"),
