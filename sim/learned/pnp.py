@@ -60,9 +60,11 @@ def _start(found: Correspondences, camera: Camera) -> Pose | None:
         )
     except cv2.error:  # all points on a line, or in one place
         return None
-    if not solved or not (np.isfinite(turn).all() and np.isfinite(shift).all()) or shift[2, 0] < _NEAREST:
+    if not solved or not (np.isfinite(turn).all() and np.isfinite(shift).all()):
         return None
-    return Pose.from_rotvec(turn.ravel(), shift.ravel())
+    start = Pose.from_rotvec(turn.ravel(), shift.ravel())
+    # Of wild correspondences, the less sure ones may lie behind the camera.
+    return start if start.apply(found.points_O)[:, 2].min() >= _NEAREST else None
 
 
 def _refine(start: Pose, found: Correspondences, camera: Camera, depth: DepthEstimate, weight: float) -> Pose:

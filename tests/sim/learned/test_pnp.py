@@ -52,3 +52,10 @@ def test_points_in_one_place_give_no_pose_or_one_before_the_camera() -> None:
     found = Correspondences(np.zeros((20, 3)), np.full((20, 2), 300.0), np.ones(20))
     pose = solve(found, SKEWED, DEPTH, 1.0)
     assert pose is None or pose.translation[2] > 0
+
+
+def test_a_start_with_unsure_points_behind_the_camera_is_none() -> None:
+    behind = X_CO.inverse().apply(np.array(((0.0, 0.0, -0.2), (0.1, 0.0, -0.3))))
+    points_O, pixels = np.concatenate((POINTS_O, behind)), np.concatenate((EXACT, np.full((2, 2), 100.0)))
+    found = Correspondences(points_O, pixels, np.append(np.ones(80), (50.0, 50.0)))
+    assert solve(found, SKEWED, DEPTH, 1.0) is None
