@@ -137,7 +137,7 @@ def _judge(image: SeenImage, methods: dict[str, UncertaintyMethod], symmetries: 
     truth, (first, second) = image.truth, image.poses
     mesh, camera = truth.mesh, truth.camera
     depth = any(needs_of(method).depth for method in methods.values())
-    parts = [truth.shown_by(detection.mask) for detection in image.detections]
+    parts = image.parts
     shown = [truth.X_CO_true[part] if part != NO_INSTANCE else None for part in parts]
     errors = (
         np.inf if X_true is None else pose_error(X_est, X_true, mesh, symmetries)

@@ -33,6 +33,7 @@ class SeenImage:
     Attributes:
         truth: about the image.
         detections: what the detector found.
+        parts: the part that each of them shows, or `NO_INSTANCE`.
         poses: poses[e][i] is X_CO_est of detection i by network e.
         depth: gives the z-depth, (H, W) m; None where there is none.
         correspondences: of network 0's poses, if it tells them.
@@ -41,6 +42,7 @@ class SeenImage:
 
     truth: FrameTruth
     detections: tuple[Detection, ...]
+    parts: tuple[int, ...]
     poses: tuple[tuple[Pose, ...], ...]
     depth: Callable[[], NDArray[np.float32]] | None = None
     correspondences: tuple[Correspondences, ...] | None = None
@@ -83,7 +85,7 @@ def generated(model: PartModel, seed: int, images: range) -> Iterator[SeenImage]
         streams = Streams(seed, number, model.part.name)
         image = make_image(mesh, camera, Recipe(), streams)
         found = estimate_image(image.truth, noise, streams)
-        yield SeenImage(image.truth, found.detections, found.poses, depth=partial(_depth, image))
+        yield SeenImage(image.truth, found.detections, found.parts, found.poses, depth=partial(_depth, image))
 
 
 def _depth(image: GeneratedImage) -> NDArray[np.float32]:
@@ -117,7 +119,8 @@ def _seen(
     estimates = [network.estimate(frame, detections) for network in networks]
     points = tuple(one.correspondences for one in estimates[0] if one.correspondences is not None)
     poses = tuple(tuple(one.X_CO_est for one in each) for each in estimates)
-    return SeenImage(truth, detections, poses, correspondences=points, rgb=rgb)
+    parts = tuple(truth.shown_by(detection.mask) for detection in detections)
+    return SeenImage(truth, detections, parts, poses, correspondences=points, rgb=rgb)
 
 
 @lru_cache(maxsize=2)

@@ -24,9 +24,12 @@ def course(network: str, config: Train, pictures: Path) -> Course[Any]:
     torch.set_num_threads(1)
     torch.manual_seed(config.seed)
     seen = read_pictures(pictures, "train")
+    of = f"{config.object}, {config.images} pictures, seed {config.seed}"
     if network == DETECTOR:
         samples = DetectorSamples(stored_pictures(seen), size=DETECTOR_BATCH, seed=config.seed)
-        return Course(network, DetectorNetwork(), samples.batch, detector_loss, config.detector_steps, _DETECTOR_RATE)
+        return Course(
+            network, DetectorNetwork(), samples.batch, detector_loss, config.detector_steps, _DETECTOR_RATE, of
+        )
     model = load_part(config.object)
     poses = PoseSamples(stored_crops(seen), model.part.mesh, looks_alike(model), size=POSE_BATCH, seed=config.seed)
-    return Course(network, PoseNetwork(), poses.batch, pose_loss, config.pose_steps, _POSE_RATE)
+    return Course(network, PoseNetwork(), poses.batch, pose_loss, config.pose_steps, _POSE_RATE, of)

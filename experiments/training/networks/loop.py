@@ -36,6 +36,7 @@ class Course(Generic[Batch]):
         loss: terms of the loss, from the network's outputs and the batch.
         steps: how many in all.
         rate: the learning rate while it stays.
+        of: what it is trained on and from, for a state that is kept to be of the same.
     """
 
     name: str
@@ -44,6 +45,7 @@ class Course(Generic[Batch]):
     loss: Callable[[Any, Batch], dict[str, Tensor]]
     steps: int
     rate: float
+    of: str = ""
 
 
 def train(course: Course[Any], folder: Path) -> nn.Module:
@@ -121,6 +123,7 @@ class _Trainer:
             {
                 "step": self.step,
                 "steps": self._course.steps,
+                "of": self._course.of,
                 "network": self._network.state_dict(),
                 "average": self._average,
                 "optimizer": self._optimizer.state_dict(),
@@ -134,6 +137,10 @@ class _Trainer:
         if not path.exists():
             return False
         kept = torch.load(path, map_location=self._device, weights_only=True)
+        if kept["of"] != self._course.of:
+            raise UsageError(
+                f"{path} is of {kept['of']}, expected {self._course.of}: delete it, or choose another --out"
+            )
         if kept["step"] > falls and kept["steps"] != self._course.steps:
             return False
         self.step = kept["step"]
